@@ -1,0 +1,128 @@
+// The arrays of shared.h as storage buffers, and the words of their records.
+//
+// Where the device offers enough storage buffers a stage, each array has a binding of its own. With
+// the four that core Vulkan promises (GIRIH_FEW_BUFFERS), the scene's and the catalogue's arrays share
+// one binding, the plan's share another, and frame.bases tells where each begins.
+#ifndef GIRIH_ARRAYS_GLSL
+#define GIRIH_ARRAYS_GLSL
+
+#include "shared.h"
+
+layout(std140, set = 0, binding = GIRIH_BIND_FRAME) uniform GirihFrame {
+    GIRIH_FRAME_BLOCK(vec4, uvec4, uint, float)
+} frame;
+
+layout(push_constant) uniform GirihPush {
+    GIRIH_PUSH_BLOCK(uint)
+} push;
+
+#ifdef GIRIH_FEW_BUFFERS
+#define GIRIH_AT(BINDING, INDEX) [frame.bases[BINDING >> 2][BINDING & 3] + (INDEX)]
+#define GIRIH_SCENE_BINDING(BINDING) GIRIH_BIND_SHARED_SCENE
+#define GIRIH_PLAN_BINDING(BINDING) GIRIH_BIND_SHARED_PLAN
+#define GIRIH_OUTPUT_BINDING(BINDING) BINDING
+#else
+#define GIRIH_AT(BINDING, INDEX) [INDEX]
+#define GIRIH_SCENE_BINDING(BINDING) BINDING
+#define GIRIH_PLAN_BINDING(BINDING) BINDING
+#define GIRIH_OUTPUT_BINDING(BINDING) BINDING
+#endif
+
+#define GIRIH_ARRAY(WHOSE, BINDING, BLOCK, NAME) \
+    layout(std430, set = 0, binding = WHOSE(BINDING)) buffer BLOCK { uint NAME[]; };
+
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_VERTICES, GirihVertices, girih_vertices)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_ATTRIBUTES, GirihAttributes, girih_attributes)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_VERTICES, GirihTriangleVertices, girih_triangle_vertices)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_EDGES, GirihTriangleEdges, girih_triangle_edges)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_MATERIALS, GirihTriangleMaterials, girih_triangle_materials)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_EDGE_POINTS, GirihEdgePoints, girih_edge_points)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_SEAMS, GirihSeams, girih_seams)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_WELD_EDGES, GirihTriangleWeldEdges, girih_triangle_weld_edges)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_WELD_EDGE_EDGES, GirihWeldEdgeEdges, girih_weld_edge_edges)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_WELD_POINTS, GirihWeldPoints, girih_weld_points)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_EDGE_WELD_EDGES, GirihEdgeWeldEdges, girih_edge_weld_edges)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERNS, GirihPatterns, girih_patterns)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERN_VERTICES, GirihPatternVertices, girih_pattern_vertices)
+GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERN_INDICES, GirihPatternIndices, girih_pattern_indices)
+GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_INSTANCES, GirihInstances, girih_instances)
+GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_BLOCKS, GirihBlocks, girih_blocks)
+GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_LEVELS, GirihLevels, girih_levels)
+GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_KEYS, GirihKeys, girih_keys)
+GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS, GirihItems, girih_items)
+GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS_SPARE, GirihItemsSpare, girih_items_spare)
+GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_COUNTERS, GirihCounters, girih_counters)
+GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_GROUPS, GirihGroups, girih_groups)
+GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_STATUS, GirihStatus, girih_status)
+GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_DRAWS, GirihDraws, girih_draws)
+GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_WELD_OFFSETS, GirihWeldOffsets, girih_weld_offsets)
+GIRIH_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_POSITIONS, GirihOutPositions, girih_out_positions)
+GIRIH_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_ATTRIBUTES, GirihOutAttributes, girih_out_attributes)
+GIRIH_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_INDICES, GirihOutIndices, girih_out_indices)
+GIRIH_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_CLOSED_INDICES, GirihOutClosedIndices, girih_out_closed_indices)
+GIRIH_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, girih_out_sources)
+
+#define VERTICES(I) girih_vertices GIRIH_AT(GIRIH_BIND_VERTICES, I)
+#define ATTRIBUTES(I) girih_attributes GIRIH_AT(GIRIH_BIND_ATTRIBUTES, I)
+#define TRIANGLE_VERTICES(I) girih_triangle_vertices GIRIH_AT(GIRIH_BIND_TRIANGLE_VERTICES, I)
+#define TRIANGLE_EDGES(I) girih_triangle_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_EDGES, I)
+#define TRIANGLE_MATERIALS(I) girih_triangle_materials GIRIH_AT(GIRIH_BIND_TRIANGLE_MATERIALS, I)
+#define EDGE_POINTS(I) girih_edge_points GIRIH_AT(GIRIH_BIND_EDGE_POINTS, I)
+#define SEAMS(I) girih_seams GIRIH_AT(GIRIH_BIND_SEAMS, I)
+#define TRIANGLE_WELD_EDGES(I) girih_triangle_weld_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_WELD_EDGES, I)
+#define WELD_EDGE_EDGES(I) girih_weld_edge_edges GIRIH_AT(GIRIH_BIND_WELD_EDGE_EDGES, I)
+#define WELD_POINTS(I) girih_weld_points GIRIH_AT(GIRIH_BIND_WELD_POINTS, I)
+#define EDGE_WELD_EDGES(I) girih_edge_weld_edges GIRIH_AT(GIRIH_BIND_EDGE_WELD_EDGES, I)
+#define PATTERNS(I) girih_patterns GIRIH_AT(GIRIH_BIND_PATTERNS, I)
+#define PATTERN_VERTICES(I) girih_pattern_vertices GIRIH_AT(GIRIH_BIND_PATTERN_VERTICES, I)
+#define PATTERN_INDICES(I) girih_pattern_indices GIRIH_AT(GIRIH_BIND_PATTERN_INDICES, I)
+#define INSTANCES(I) girih_instances GIRIH_AT(GIRIH_BIND_INSTANCES, I)
+#define BLOCKS(I) girih_blocks GIRIH_AT(GIRIH_BIND_BLOCKS, I)
+#define LEVELS(I) girih_levels GIRIH_AT(GIRIH_BIND_LEVELS, I)
+#define KEYS(I) girih_keys GIRIH_AT(GIRIH_BIND_KEYS, I)
+#define ITEMS(I) girih_items GIRIH_AT(GIRIH_BIND_ITEMS, I)
+#define ITEMS_SPARE(I) girih_items_spare GIRIH_AT(GIRIH_BIND_ITEMS_SPARE, I)
+#define COUNTERS(I) girih_counters GIRIH_AT(GIRIH_BIND_COUNTERS, I)
+#define GROUPS(I) girih_groups GIRIH_AT(GIRIH_BIND_GROUPS, I)
+#define STATUS(I) girih_status GIRIH_AT(GIRIH_BIND_STATUS, I)
+#define DRAWS(I) girih_draws GIRIH_AT(GIRIH_BIND_DRAWS, I)
+#define WELD_OFFSETS(I) girih_weld_offsets GIRIH_AT(GIRIH_BIND_WELD_OFFSETS, I)
+#define OUT_POSITIONS(I) girih_out_positions[I]
+#define OUT_ATTRIBUTES(I) girih_out_attributes[I]
+#define OUT_INDICES(I) girih_out_indices[I]
+#define OUT_CLOSED_INDICES(I) girih_out_closed_indices[I]
+#define OUT_SOURCES(I) girih_out_sources[I]
+
+// Word `field` of a rank's pattern.
+uint girih_pattern(uint rank, uint field) {
+    return PATTERNS(rank * GIRIH_PATTERN_WORDS + field);
+}
+
+// The rank of a range.
+uint girih_range_rank(uint range) {
+    return PATTERNS(frame.pattern_count * GIRIH_PATTERN_WORDS + range);
+}
+
+uint girih_instance(uint instance, uint field) {
+    return INSTANCES(instance * GIRIH_INSTANCE_WORDS + field);
+}
+
+// The instance that the plan's triangle, edge or weld edge `number` belongs to: `first` is the field
+// with an instance's first number, `blocks` where the words for this kind begin in BLOCKS.
+uint girih_find_instance(uint number, uint first, uint blocks) {
+    if (frame.instance_count == 1u) {
+        return 0u;
+    }
+    uint instance = BLOCKS(blocks + number / GIRIH_BLOCK);
+    while (girih_instance(instance + 1u, first) <= number) {
+        ++instance;
+    }
+    return instance;
+}
+
+// The number of this invocation in a dispatch whose workgroups may fill a second dimension.
+uint girih_invocation() {
+    return (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+}
+
+#endif

@@ -1,0 +1,257 @@
+// Stage 3: the triangles that were not culled, sorted by (material, range) and within a group in input
+// order: a stable counting sort, so that the same input gives the same bytes whatever the timing.
+//
+// Keys are sorted digit by digit, the lowest first, as many digits as the number of groups needs. Each
+// block of sort_block keys counts its digits (GIRIH_KERNEL 0); the counts are summed over the blocks
+// (1) and over the digits (2); each block then places its keys (3). Last, the groups' bounds are where
+// the sorted keys change (4).
+//
+// Two ways to walk a block, with the same result: one lane alone (GIRIH_SERIAL), best where lanes are
+// few and memory is near, or a workgroup, ranking its keys against each other in shared memory.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+
+#include "arrays.glsl"
+
+#ifdef GIRIH_SERIAL
+layout(local_size_x = 8) in;
+#else
+layout(local_size_x = 128) in;
+#endif
+
+const uint lanes = gl_WorkGroupSize.x;
+
+uint key_count() {
+    return push.first_pass != 0u ? frame.triangle_count : STATUS(GIRIH_STATUS_ITEMS);
+}
+
+uint read_key(uint n) {
+    if (push.first_pass != 0u) {
+        return KEYS(n);
+    }
+    return push.to_spare != 0u ? ITEMS(n * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY)
+                               : ITEMS_SPARE(n * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY);
+}
+
+uint digit_of(uint key) {
+    return ((key >> 3) >> push.shift) & (push.bins - 1u);
+}
+
+void place(uint n, uint key, uint target) {
+    uint triangle = n;
+    if (push.first_pass == 0u) {
+        triangle = push.to_spare != 0u ? ITEMS(n * GIRIH_ITEM_WORDS + GIRIH_ITEM_TRIANGLE)
+                                       : ITEMS_SPARE(n * GIRIH_ITEM_WORDS + GIRIH_ITEM_TRIANGLE);
+    }
+    uint word = target * GIRIH_ITEM_WORDS;
+    if (push.to_spare != 0u) {
+        ITEMS_SPARE(word + GIRIH_ITEM_TRIANGLE) = triangle;
+        ITEMS_SPARE(word + GIRIH_ITEM_KEY) = key;
+    } else {
+        ITEMS(word + GIRIH_ITEM_TRIANGLE) = triangle;
+        ITEMS(word + GIRIH_ITEM_KEY) = key;
+    }
+}
+
+// COUNTERS: a row of `bins` counters for every block, then a row of the digits' totals.
+uint counter_word(uint block, uint digit) {
+    return block * push.bins + digit;
+}
+
+#if GIRIH_KERNEL == 0 && defined(GIRIH_SERIAL)
+
+void main() {
+    uint block = girih_invocation();
+    if (block >= frame.sort_block_count) {
+        return;
+    }
+    for (uint digit = 0u; digit < push.bins; ++digit) {
+        COUNTERS(counter_word(block, digit)) = 0u;
+    }
+    uint end = min((block + 1u) * frame.sort_block, key_count());
+    for (uint n = block * frame.sort_block; n < end; ++n) {
+        uint key = read_key(n);
+        if (key != GIRIH_KEY_CULLED) {
+            uint word = counter_word(block, digit_of(key));
+            COUNTERS(word) = COUNTERS(word) + 1u;
+        }
+    }
+}
+
+#elif GIRIH_KERNEL == 0
+
+shared uint counts[GIRIH_MAX_BINS];
+
+void main() {
+    uint block = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    uint lane = gl_LocalInvocationID.x;
+    if (block >= frame.sort_block_count) {
+        return;
+    }
+    for (uint digit = lane; digit < push.bins; digit += lanes) {
+        counts[digit] = 0u;
+    }
+    barrier();
+    uint end = min((block + 1u) * frame.sort_block, key_count());
+    for (uint n = block * frame.sort_block + lane; n < end; n += lanes) {
+        uint key = read_key(n);
+        if (key != GIRIH_KEY_CULLED) {
+            atomicAdd(counts[digit_of(key)], 1u);
+        }
+    }
+    barrier();
+    for (uint digit = lane; digit < push.bins; digit += lanes) {
+        COUNTERS(counter_word(block, digit)) = counts[digit];
+    }
+}
+
+#elif GIRIH_KERNEL == 1 && defined(GIRIH_SERIAL)
+
+void main() {
+    uint digit = girih_invocation();
+    if (digit >= push.bins) {
+        return;
+    }
+    uint sum = 0u;
+    // Two loops, because lavapipe ends a shader's loop after 65,535 turns.
+    for (uint first = 0u; first < frame.sort_block_count; first += 32768u) {
+        uint end = min(first + 32768u, frame.sort_block_count);
+        for (uint block = first; block < end; ++block) {
+            uint word = counter_word(block, digit);
+            uint count = COUNTERS(word);
+            COUNTERS(word) = sum;
+            sum += count;
+        }
+    }
+    COUNTERS(counter_word(frame.sort_block_count, digit)) = sum;
+}
+
+#elif GIRIH_KERNEL == 1
+
+shared uint sums[gl_WorkGroupSize.x];
+
+void main() {
+    uint digit = gl_WorkGroupID.x;
+    uint lane = gl_LocalInvocationID.x;
+    uint total = 0u;
+    for (uint first = 0u; first < frame.sort_block_count; first += lanes) {
+        uint block = first + lane;
+        uint count = block < frame.sort_block_count ? COUNTERS(counter_word(block, digit)) : 0u;
+        sums[lane] = count;
+        barrier();
+        for (uint step = 1u; step < lanes; step *= 2u) {
+            uint before = lane >= step ? sums[lane - step] : 0u;
+            barrier();
+            sums[lane] += before;
+            barrier();
+        }
+        if (block < frame.sort_block_count) {
+            COUNTERS(counter_word(block, digit)) = total + sums[lane] - count;
+        }
+        total += sums[lanes - 1u];
+        barrier();
+    }
+    if (lane == 0u) {
+        COUNTERS(counter_word(frame.sort_block_count, digit)) = total;
+    }
+}
+
+#elif GIRIH_KERNEL == 2
+
+// One invocation: at most GIRIH_MAX_BINS additions.
+void main() {
+    if (gl_LocalInvocationID.x != 0u) {
+        return;
+    }
+    uint sum = 0u;
+    for (uint digit = 0u; digit < push.bins; ++digit) {
+        uint word = counter_word(frame.sort_block_count, digit);
+        uint count = COUNTERS(word);
+        COUNTERS(word) = sum;
+        sum += count;
+    }
+    STATUS(GIRIH_STATUS_ITEMS) = sum;
+}
+
+#elif GIRIH_KERNEL == 3 && defined(GIRIH_SERIAL)
+
+void main() {
+    uint block = girih_invocation();
+    if (block >= frame.sort_block_count) {
+        return;
+    }
+    uint end = min((block + 1u) * frame.sort_block, key_count());
+    for (uint n = block * frame.sort_block; n < end; ++n) {
+        uint key = read_key(n);
+        if (key != GIRIH_KEY_CULLED) {
+            uint digit = digit_of(key);
+            uint word = counter_word(block, digit);
+            uint rank = COUNTERS(word);
+            COUNTERS(word) = rank + 1u;
+            place(n, key, COUNTERS(counter_word(frame.sort_block_count, digit)) + rank);
+        }
+    }
+}
+
+#elif GIRIH_KERNEL == 3
+
+shared uint next[GIRIH_MAX_BINS];
+shared uint digits[gl_WorkGroupSize.x];
+
+void main() {
+    uint block = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    uint lane = gl_LocalInvocationID.x;
+    if (block >= frame.sort_block_count) {
+        return;
+    }
+    for (uint digit = lane; digit < push.bins; digit += lanes) {
+        next[digit] = COUNTERS(counter_word(frame.sort_block_count, digit)) + COUNTERS(counter_word(block, digit));
+    }
+    uint begin = block * frame.sort_block;
+    uint end = min(begin + frame.sort_block, key_count());
+    for (uint first = begin; first < end; first += lanes) {
+        uint n = first + lane;
+        uint key = n < end ? read_key(n) : GIRIH_KEY_CULLED;
+        uint digit = key != GIRIH_KEY_CULLED ? digit_of(key) : GIRIH_MAX_BINS;
+        barrier();
+        digits[lane] = digit;
+        barrier();
+        // A key's place among those of its row is how many equal digits stand before it.
+        uint before = 0u;
+        bool last = true;
+        for (uint other = 0u; other < lanes; ++other) {
+            bool same = digits[other] == digit;
+            before += same && other < lane ? 1u : 0u;
+            last = last && !(same && other > lane);
+        }
+        uint base = 0u;
+        if (key != GIRIH_KEY_CULLED) {
+            base = next[digit];
+            place(n, key, base + before);
+        }
+        barrier();
+        if (key != GIRIH_KEY_CULLED && last) {
+            next[digit] = base + before + 1u;
+        }
+    }
+}
+
+#else
+
+// Begins with the groups cleared to 0, so that an empty one begins and ends at 0.
+void main() {
+    uint item = girih_invocation();
+    uint items = STATUS(GIRIH_STATUS_ITEMS);
+    if (item >= items) {
+        return;
+    }
+    uint group = ITEMS(item * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY) >> 3;
+    if (item == 0u || ITEMS((item - 1u) * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY) >> 3 != group) {
+        GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) = item;
+    }
+    if (item + 1u == items || ITEMS((item + 1u) * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY) >> 3 != group) {
+        GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = item + 1u;
+    }
+}
+
+#endif

@@ -1,0 +1,88 @@
+// Stage 1: one level per unique edge of every instance, from the edge alone.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+
+#include "scene.glsl"
+
+layout(local_size_x = GIRIH_WORKGROUP) in;
+
+// A random number from an edge's end points; the edge's ends stand in canonical order, so both
+// triangles at it agree.
+uint hash_word(uint hash, uint word) {
+    hash ^= word;
+    hash *= 0x7feb352du;
+    hash ^= hash >> 15;
+    hash *= 0x846ca68bu;
+    hash ^= hash >> 16;
+    return hash;
+}
+
+uint hash_edge(uint seed, uint a, uint b) {
+    uint hash = hash_word(0x9e3779b9u, seed);
+    for (uint n = 0u; n < 3u; ++n) {
+        hash = hash_word(hash, VERTICES(a * GIRIH_VERTEX_WORDS + n));
+    }
+    for (uint n = 0u; n < 3u; ++n) {
+        hash = hash_word(hash, VERTICES(b * GIRIH_VERTEX_WORDS + n));
+    }
+    return hash;
+}
+
+uint level_segments(uint level) {
+    return frame.linear_spacing != 0u ? level + 1u : 1u << level;
+}
+
+void main() {
+    uint edge = girih_invocation();
+    if (edge >= frame.edge_count) {
+        return;
+    }
+    if (frame.rule == GIRIH_LEVELS_UNIFORM) {
+        LEVELS(edge) = frame.uniform_level;
+        return;
+    }
+    uint instance = girih_find_instance(edge, GIRIH_INSTANCE_FIRST_EDGE, frame.edge_blocks);
+    uint scene_edge = edge - girih_instance(instance, GIRIH_INSTANCE_EDGE_DELTA);
+    uint a = EDGE_POINTS(2u * scene_edge);
+    uint b = EDGE_POINTS(2u * scene_edge + 1u);
+    uint level = 0u;
+    uint last = frame.level_count - 1u;
+    bool clamped;
+    if (frame.rule == GIRIH_LEVELS_RANDOM) {
+        uint segments = 1u + hash_edge(frame.seed, a, b) % frame.random_segments;
+        while (level < last && level_segments(level) < segments) {
+            ++level;
+        }
+        clamped = level_segments(level) < segments;
+    } else {
+        vec3 p = girih_vertex_position(a);
+        vec3 q = girih_vertex_position(b);
+        precise float distance_squared = frame.near_squared;
+        if (frame.rule == GIRIH_LEVELS_LENGTH) {
+            GirihTransform transform = girih_instance_transform(instance);
+            p = girih_transform_point(transform, p);
+            q = girih_transform_point(transform, q);
+            if (frame.eye.w != 0.0) {
+                precise vec3 to_eye = (p + q) * 0.5 - frame.eye.xyz;
+                distance_squared = max(girih_dot(to_eye, to_eye), distance_squared);
+            }
+        }
+        // The smallest n with |q-p|^2 c^2 <= n^2 P^2 max(|m-e|^2, near^2): squares throughout, so that
+        // neither root nor division is needed.
+        precise vec3 along = q - p;
+        precise float wanted = girih_dot(along, along) * frame.length_factor;
+        for (;;) {
+            float segments = float(level_segments(level));
+            precise float reached = (segments * segments) * distance_squared;
+            clamped = !(wanted <= reached);
+            if (!clamped || level == last) {
+                break;
+            }
+            ++level;
+        }
+    }
+    LEVELS(edge) = level;
+    if (clamped) {
+        atomicAdd(STATUS(GIRIH_STATUS_CLAMPED), 1u);
+    }
+}

@@ -1,0 +1,138 @@
+// Stage 6: index buffers of the baked and welded modes (GIRIH_KERNEL 0), and before them the numbers
+// of the welded vertices inside shared edges: sums of blocks (1), of all blocks (2), of every weld edge
+// (3), one lane a block.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+
+#include "patch.glsl"
+
+layout(local_size_x = GIRIH_WORKGROUP) in;
+
+#if GIRIH_KERNEL == 0
+
+uint pattern_index(uint n) {
+    if (frame.index_bytes == 4u) {
+        return PATTERN_INDICES(n);
+    }
+    return PATTERN_INDICES(n >> 1) >> (16u * (n & 1u)) & 0xffffu;
+}
+
+void main() {
+    uint number;
+    uint chunk;
+    if (!girih_work(girih_interleaved_invocation(), number, chunk)) {
+        return;
+    }
+    GirihItem item = girih_read_item(number);
+    uint count = girih_pattern(item.rank, GIRIH_PATTERN_TRIANGLES);
+    uint chunks = girih_pattern(item.rank, GIRIH_PATTERN_CHUNKS);
+    uint share = (count + chunks - 1u) / chunks;
+    uint begin = chunk * share;
+    uint end = min(begin + share, count);
+    uint group_word = item.group * GIRIH_GROUP_WORDS;
+    uint local = number - GROUPS(group_word + GIRIH_GROUP_FIRST);
+    uint first = GROUPS(group_word + GIRIH_GROUP_FIRST_TRIANGLE) + local * count;
+    if (first + end <= push.window_first || first + begin >= push.window_first + push.window_count) {
+        return;
+    }
+    bool welded = frame.output_mode == GIRIH_OUTPUT_WELDED;
+    bool closed = (push.outputs & GIRIH_OUTPUT_BIT_CLOSED_INDICES) != 0u;
+    uint first_vertex = 0u;
+    GirihWeld weld;
+    GirihWeld closed_weld;
+    if (welded) {
+        uint vertices[3];
+        girih_item_vertices(item, vertices);
+        weld = girih_item_weld(item, vertices, false);
+        if (closed) {
+            closed_weld = girih_item_weld(item, vertices, true);
+        }
+    } else {
+        first_vertex = GROUPS(group_word + GIRIH_GROUP_FIRST_VERTEX) + local * girih_pattern(item.rank, GIRIH_PATTERN_VERTICES);
+    }
+    uint first_index = girih_pattern(item.rank, item.mirrored ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
+    for (uint triangle = begin; triangle < end; ++triangle) {
+        uint slot = first + triangle - push.window_first;
+        if (slot >= push.window_count) {
+            continue;
+        }
+        for (uint corner = 0u; corner < 3u; ++corner) {
+            uint n = pattern_index(first_index + 3u * triangle + corner);
+            if ((push.outputs & GIRIH_OUTPUT_BIT_INDICES) != 0u) {
+                OUT_INDICES(3u * slot + corner) = welded ? girih_weld_vertex(weld, n) : first_vertex + n;
+            }
+            if (closed) {
+                OUT_CLOSED_INDICES(3u * slot + corner) = girih_weld_vertex(closed_weld, n);
+            }
+        }
+        if ((push.outputs & GIRIH_OUTPUT_BIT_SOURCES) != 0u) {
+            OUT_SOURCES(2u * slot) = item.instance;
+            OUT_SOURCES(2u * slot + 1u) = item.scene_triangle - girih_instance(item.instance, GIRIH_INSTANCE_MESH_TRIANGLE);
+        }
+    }
+}
+
+#else
+
+// Output vertices inside the plan's weld edge.
+uint inner_vertices(uint weld_edge) {
+    uint instance = girih_find_instance(weld_edge, GIRIH_INSTANCE_FIRST_WELD_EDGE, frame.weld_blocks);
+    uint scene_weld_edge = weld_edge - girih_instance(instance, GIRIH_INSTANCE_WELD_DELTA);
+    uint level = LEVELS(WELD_EDGE_EDGES(scene_weld_edge) + girih_instance(instance, GIRIH_INSTANCE_EDGE_DELTA));
+    return frame.linear_spacing != 0u ? level : (1u << level) - 1u;
+}
+
+#if GIRIH_KERNEL == 1
+
+void main() {
+    uint block = girih_invocation();
+    if (block >= frame.scan_block_count) {
+        return;
+    }
+    uint end = min((block + 1u) * GIRIH_MAX_SORT_BLOCK, frame.weld_edge_count);
+    uint low = 0u;
+    for (uint n = block * GIRIH_MAX_SORT_BLOCK; n < end; ++n) {
+        low += inner_vertices(n);
+    }
+    COUNTERS(block) = low;
+}
+
+#elif GIRIH_KERNEL == 2
+
+void main() {
+    if (gl_LocalInvocationID.x != 0u) {
+        return;
+    }
+    uint low = 0u;
+    uint high = 0u;
+    for (uint first = 0u; first < frame.scan_block_count; first += 32768u) {
+        uint end = min(first + 32768u, frame.scan_block_count);
+        for (uint block = first; block < end; ++block) {
+            uint count = COUNTERS(block);
+            COUNTERS(block) = low;
+            uint carry;
+            low = uaddCarry(low, count, carry);
+            high += carry;
+        }
+    }
+    STATUS(GIRIH_STATUS_WELD_VERTICES) = low;
+    STATUS(GIRIH_STATUS_WELD_VERTICES + 1u) = high;
+}
+
+#else
+
+void main() {
+    uint block = girih_invocation();
+    if (block >= frame.scan_block_count) {
+        return;
+    }
+    uint end = min((block + 1u) * GIRIH_MAX_SORT_BLOCK, frame.weld_edge_count);
+    uint sum = COUNTERS(block);
+    for (uint n = block * GIRIH_MAX_SORT_BLOCK; n < end; ++n) {
+        WELD_OFFSETS(n) = sum;
+        sum += inner_vertices(n);
+    }
+}
+
+#endif
+#endif

@@ -1,0 +1,193 @@
+// From a sorted item to its patch: the corners permuted by lambda, the control points in world space.
+#ifndef GIRIH_PATCH_GLSL
+#define GIRIH_PATCH_GLSL
+
+#include "girih_permutation.h"
+#include "pn.glsl"
+#include "surfaces.glsl"
+
+// One item as evaluate and output see it.
+struct GirihItem {
+    uint number;         // of the sorted items
+    uint scene_triangle;
+    uint instance;
+    uint group;
+    uint rank;
+    bool mirrored;       // uses its pattern's mirrored range
+    uint lambda;
+    uint corners[3];     // input corner 0..2 at each of the base pattern's corners
+    uint edges[3];       // input edge 0..2 at each of the base pattern's edges
+    bool odd;            // the base pattern's edges run against the input's
+};
+
+GirihItem girih_read_item(uint number) {
+    GirihItem item;
+    item.number = number;
+    uint triangle = ITEMS(number * GIRIH_ITEM_WORDS + GIRIH_ITEM_TRIANGLE);
+    uint key = ITEMS(number * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY);
+    item.instance = girih_find_instance(triangle, GIRIH_INSTANCE_FIRST_TRIANGLE, frame.triangle_blocks);
+    item.scene_triangle = triangle - girih_instance(item.instance, GIRIH_INSTANCE_TRIANGLE_DELTA);
+    item.group = key >> 3;
+    item.lambda = key & 7u;
+    if ((STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_OVERFLOW) != 0u) {
+        // Drawn at level 0: base pattern [0,0,0], whose permutation only has to keep the winding.
+        item.group -= item.group % frame.range_count;
+        bool mirror = (girih_instance(item.instance, GIRIH_INSTANCE_FLAGS) & GIRIH_INSTANCE_MIRRORED) != 0u;
+        item.lambda = mirror ? GIRIH_LAMBDA_ODD_IJ(0u) : 0u;
+    }
+    uint range = item.group % frame.range_count;
+    item.rank = girih_range_rank(range);
+    item.mirrored = range != girih_pattern(item.rank, GIRIH_PATTERN_RANGE);
+    uint corners = GIRIH_LAMBDA_CORNERS(item.lambda);
+    uint edges = GIRIH_LAMBDA_EDGES(item.lambda);
+    for (uint n = 0u; n < 3u; ++n) {
+        item.corners[n] = corners >> (2u * n) & 3u;
+        item.edges[n] = edges >> (2u * n) & 3u;
+    }
+    item.odd = GIRIH_LAMBDA_IS_ODD(item.lambda);
+    return item;
+}
+
+void girih_item_vertices(GirihItem item, out uint vertices[3]) {
+    for (uint n = 0u; n < 3u; ++n) {
+        vertices[n] = TRIANGLE_VERTICES(3u * item.scene_triangle + item.corners[n]);
+    }
+}
+
+GirihPatch girih_item_patch(GirihItem item, uint vertices[3]) {
+    vec3 p[3];
+    vec3 n[3];
+    for (uint corner = 0u; corner < 3u; ++corner) {
+        p[corner] = girih_vertex_position(vertices[corner]);
+        n[corner] = girih_vertex_normal(vertices[corner]);
+    }
+    GirihTransform t = girih_instance_transform(item.instance);
+    GirihTransform nt = girih_instance_normal_transform(item.instance);
+    GirihPatch patch_;
+    patch_.b300 = girih_transform_point(t, p[0]);
+    patch_.b030 = girih_transform_point(t, p[1]);
+    patch_.b003 = girih_transform_point(t, p[2]);
+    patch_.n200 = girih_transform_point(nt, n[0]);
+    patch_.n020 = girih_transform_point(nt, n[1]);
+    patch_.n002 = girih_transform_point(nt, n[2]);
+#if GIRIH_SURFACE == 1
+    uint edges[3];
+    for (uint edge = 0u; edge < 3u; ++edge) {
+        edges[edge] = TRIANGLE_EDGES(3u * item.scene_triangle + item.edges[edge]);
+        if (item.odd) {
+            edges[edge] ^= GIRIH_EDGE_REVERSED;
+        }
+    }
+    GirihPnPoints c = girih_pn_points(p, n, edges, girih_instance(item.instance, GIRIH_INSTANCE_SEAM_DELTA));
+    patch_.b210 = girih_transform_point(t, c.b210);
+    patch_.b120 = girih_transform_point(t, c.b120);
+    patch_.b021 = girih_transform_point(t, c.b021);
+    patch_.b012 = girih_transform_point(t, c.b012);
+    patch_.b102 = girih_transform_point(t, c.b102);
+    patch_.b201 = girih_transform_point(t, c.b201);
+    patch_.b111 = girih_transform_point(t, c.b111);
+    patch_.n110 = girih_transform_point(nt, girih_pn_edge_normal(p[0], p[1], n[0], n[1]));
+    patch_.n011 = girih_transform_point(nt, girih_pn_edge_normal(p[1], p[2], n[1], n[2]));
+    patch_.n101 = girih_transform_point(nt, girih_pn_edge_normal(p[2], p[0], n[2], n[0]));
+#endif
+    return patch_;
+}
+
+// The item and the share of its work that an invocation of evaluate or output does. Invocation n < items
+// has the first chunk of item n, with no search; what patterns of many vertices have beyond it is
+// shared out among further invocations. False: nothing to do.
+bool girih_work(uint invocation, out uint item, out uint chunk) {
+    uint items = STATUS(GIRIH_STATUS_ITEMS);
+    item = invocation;
+    chunk = 0u;
+    if (invocation < items) {
+        return true;
+    }
+    uint further = invocation - items;
+    if (further >= STATUS(GIRIH_STATUS_CHUNKS)) {
+        return false;
+    }
+    uint low = 0u;
+    uint high = frame.group_count;
+    while (high - low > 1u) {
+        uint middle = (low + high) / 2u;
+        if (GROUPS(middle * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_CHUNK) <= further) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    uint rank = girih_range_rank(low % frame.range_count);
+    uint each = girih_pattern(rank, GIRIH_PATTERN_CHUNKS) - 1u;
+    uint local = further - GROUPS(low * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_CHUNK);
+    item = GROUPS(low * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) + local / each;
+    chunk = 1u + local % each;
+    return true;
+}
+
+// The number of this invocation, workgroups dealt out in turn to eight parts of the dispatch: items are
+// sorted by pattern, and a device that gives each core one contiguous part would leave the core with
+// the small patterns idle.
+uint girih_interleaved_invocation() {
+    const uint parts = 8u;
+    uint count = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    uint whole = count / parts;
+    if (group < whole * parts) {
+        group = (group % whole) * parts + group / whole;
+    }
+    return group * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+}
+
+// Where a base pattern's vertices go when points are shared (GIRIH_OUTPUT_WELDED).
+struct GirihWeld {
+    uint corners[3];     // output vertex of each corner
+    uint edges[3];       // output vertex of the first inner vertex of each edge, in canonical order
+    bool reversed[3];    // the pattern runs along the edge against the canonical order
+    uint segments[3];
+    uint interior;       // output vertex of the first interior vertex
+};
+
+// `closed`: by position alone, through the vertex and weld edge that stand for all at one place.
+GirihWeld girih_item_weld(GirihItem item, uint vertices[3], bool closed) {
+    GirihWeld weld;
+    uint vertex_delta = girih_instance(item.instance, GIRIH_INSTANCE_VERTEX_DELTA);
+    uint weld_delta = girih_instance(item.instance, GIRIH_INSTANCE_WELD_DELTA);
+    uint border = 0u;
+    for (uint n = 0u; n < 3u; ++n) {
+        uint word = TRIANGLE_WELD_EDGES(3u * item.scene_triangle + item.edges[n]);
+        uint edge = word & GIRIH_WELD_MASK;
+        uint vertex = vertices[n];
+        if (closed) {
+            edge = EDGE_WELD_EDGES(WELD_EDGE_EDGES(edge));
+            vertex = WELD_POINTS(vertex);
+        }
+        weld.corners[n] = vertex + vertex_delta;
+        weld.edges[n] = frame.corner_count + WELD_OFFSETS(edge + weld_delta);
+        weld.reversed[n] = ((word & GIRIH_WELD_REVERSED) != 0u) != item.odd;
+        weld.segments[n] = girih_pattern(item.rank, GIRIH_PATTERN_SEGMENTS + n);
+        border += weld.segments[n];
+    }
+    uint interior = girih_pattern(item.rank, GIRIH_PATTERN_VERTICES) - border;
+    uint word = item.group * GIRIH_GROUP_WORDS;
+    weld.interior = GROUPS(word + GIRIH_GROUP_FIRST_VERTEX) + (item.number - GROUPS(word + GIRIH_GROUP_FIRST)) * interior;
+    return weld;
+}
+
+// The output vertex of the base pattern's vertex n: corners, inner vertices of edges 1, 2, 3, interior.
+uint girih_weld_vertex(GirihWeld weld, uint n) {
+    if (n < 3u) {
+        return weld.corners[n];
+    }
+    n -= 3u;
+    for (uint edge = 0u; edge < 3u; ++edge) {
+        uint inner = weld.segments[edge] - 1u;
+        if (n < inner) {
+            return weld.edges[edge] + (weld.reversed[edge] ? inner - 1u - n : n);
+        }
+        n -= inner;
+    }
+    return weld.interior + n;
+}
+
+#endif

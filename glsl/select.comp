@@ -1,0 +1,179 @@
+// Stage 2: base pattern, lambda and winding of every triangle, or culled.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+
+#include "girih_permutation.h"
+#include "pn.glsl"
+
+layout(local_size_x = GIRIH_WORKGROUP) in;
+
+// Whether all of a triangle's patch is outside the frustum or faces away. The bounds are those of the
+// curved surface: a Bezier patch lies in the box of its control points, and its normal, the cross
+// product of its two derivatives, in a ball around the flat triangle's normal. `p` are the mesh-space
+// control points, the corners first.
+bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
+    vec3 low = p[0];
+    vec3 high = p[0];
+    for (int n = 1; n < count; ++n) {
+        low = min(low, p[n]);
+        high = max(high, p[n]);
+    }
+    precise vec3 centre = (low + high) * 0.5;
+    precise vec3 extent = (high - low) * 0.5;
+    GirihTransform t = girih_instance_transform(instance);
+    if ((frame.cull & GIRIH_CULL_FRUSTUM) != 0u) {
+        vec3 world = girih_transform_point(t, centre);
+        for (int n = 0; n < 6; ++n) {
+            vec3 plane = frame.planes[n].xyz;
+            precise float distance = girih_dot(plane, world) + frame.planes[n].w;
+            // The plane's normal in mesh space, so that the box stays a box.
+            precise vec3 normal = (t.row0.xyz * plane.x + t.row1.xyz * plane.y) + t.row2.xyz * plane.z;
+            precise float radius = girih_dot(abs(normal), extent);
+            // Slack for the rounding of the test itself: culling may never open a hole.
+            precise float slack = (radius + girih_length_bound(plane) * girih_length_bound(world)) * 1e-5;
+            if (distance + (radius + slack) < 0.0) {
+                return true;
+            }
+        }
+    }
+    if ((frame.cull & GIRIH_CULL_BACK) != 0u && !two_sided) {
+        vec3 w[10];
+        for (int n = 0; n < count; ++n) {
+            w[n] = girih_transform_point(t, p[n]);
+        }
+        precise vec3 along2 = w[1] - w[0];
+        precise vec3 along3 = w[2] - w[0];
+        vec3 normal = girih_cross(along2, along3);
+        if ((girih_instance(instance, GIRIH_INSTANCE_FLAGS) & GIRIH_INSTANCE_MIRRORED) != 0u) {
+            normal = -normal;
+        }
+        // How far the derivatives' control vectors stray from the flat triangle's edges.
+        float stray2 = 0.0;
+        float stray3 = 0.0;
+        if (count == 10) {
+            // Control points in the order b300 b030 b003 b210 b120 b021 b012 b102 b201 b111: the
+            // derivative towards corner 2 is 3 (b_ij+1k - b_i+1jk), towards corner 3 likewise.
+            const int from[6] = int[6](0, 3, 4, 8, 9, 7);
+            const int to2[6] = int[6](3, 4, 1, 9, 5, 6);
+            const int to3[6] = int[6](8, 9, 5, 7, 6, 2);
+            for (int n = 0; n < 6; ++n) {
+                precise vec3 d2 = (w[to2[n]] - w[from[n]]) * 3.0 - along2;
+                precise vec3 d3 = (w[to3[n]] - w[from[n]]) * 3.0 - along3;
+                stray2 = max(stray2, girih_length_bound(d2));
+                stray3 = max(stray3, girih_length_bound(d3));
+            }
+        }
+        precise float spread = (girih_length_bound(along2) * stray3 + girih_length_bound(along3) * stray2) + stray2 * stray3;
+        precise vec3 to_eye = frame.eye.xyz;
+        float radius = 0.0;
+        if (frame.eye.w != 0.0) {
+            to_eye = frame.eye.xyz - w[0];
+            for (int n = 1; n < count; ++n) {
+                precise vec3 away = w[n] - w[0];
+                radius = max(radius, girih_length_bound(away));
+            }
+        }
+        // For every point of the patch and every normal in the ball: normal · (eye - point) < 0.
+        // Measured from corner 1, the flat triangle's own normal is perpendicular to its corners, so
+        // only curved control points add to the radius.
+        float lift = 0.0;
+        if (frame.eye.w != 0.0) {
+            for (int n = 3; n < count; ++n) {
+                precise vec3 away = w[n] - w[0];
+                lift = max(lift, abs(girih_dot(normal, away)));
+            }
+        }
+        precise float reach = girih_length_bound(to_eye) + radius;
+        precise float facing = girih_dot(normal, to_eye) + lift;
+        precise float slack = girih_length_bound(normal) * reach * 1e-5;
+        if (facing + (spread * reach + slack) < 0.0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void main() {
+    uint triangle = girih_invocation();
+    if (triangle >= frame.triangle_count) {
+        return;
+    }
+    uint instance = girih_find_instance(triangle, GIRIH_INSTANCE_FIRST_TRIANGLE, frame.triangle_blocks);
+    uint scene_triangle = triangle - girih_instance(instance, GIRIH_INSTANCE_TRIANGLE_DELTA);
+    uint edge_delta = girih_instance(instance, GIRIH_INSTANCE_EDGE_DELTA);
+    uint material = TRIANGLE_MATERIALS(scene_triangle);
+    uint edges[3];
+    for (uint n = 0u; n < 3u; ++n) {
+        edges[n] = TRIANGLE_EDGES(3u * scene_triangle + n);
+    }
+    if (frame.cull != 0u) {
+        vec3 p[10];
+        vec3 normals[3];
+        vec3 corners[3];
+        for (uint n = 0u; n < 3u; ++n) {
+            uint vertex = TRIANGLE_VERTICES(3u * scene_triangle + n);
+            corners[n] = girih_vertex_position(vertex);
+            p[n] = corners[n];
+#if GIRIH_SURFACE == 1
+            normals[n] = girih_vertex_normal(vertex);
+#endif
+        }
+        int count = 3;
+#if GIRIH_SURFACE == 1
+        GirihPnPoints c = girih_pn_points(corners, normals, edges, girih_instance(instance, GIRIH_INSTANCE_SEAM_DELTA));
+        p[3] = c.b210;
+        p[4] = c.b120;
+        p[5] = c.b021;
+        p[6] = c.b012;
+        p[7] = c.b102;
+        p[8] = c.b201;
+        p[9] = c.b111;
+        count = 10;
+#endif
+        if (culled(p, count, instance, (material & GIRIH_TWO_SIDED) != 0u)) {
+            KEYS(triangle) = GIRIH_KEY_CULLED;
+            return;
+        }
+    }
+    // Sort the levels and keep track of the swaps: ARKFPI, Figure 8.
+    uint i = LEVELS((edges[0] & GIRIH_EDGE_MASK) + edge_delta);
+    uint j = LEVELS((edges[1] & GIRIH_EDGE_MASK) + edge_delta);
+    uint k = LEVELS((edges[2] & GIRIH_EDGE_MASK) + edge_delta);
+    uint lambda = 0u;
+    uint swap;
+    if (i < j) {
+        swap = i;
+        i = j;
+        j = swap;
+        lambda += 1u;
+    }
+    if (i < k) {
+        swap = i;
+        i = k;
+        k = swap;
+        lambda += 2u;
+    }
+    if (j < k) {
+        swap = j;
+        j = k;
+        k = swap;
+        lambda += 4u;
+    }
+    // An odd permutation turns the winding round, and so does a mirroring transform. Where two levels
+    // are equal, permutations of either parity serve, so the one that keeps the winding is taken;
+    // three distinct levels leave no choice and take the mirrored range.
+    bool mirrored = (girih_instance(instance, GIRIH_INSTANCE_FLAGS) & GIRIH_INSTANCE_MIRRORED) != 0u;
+    uint range = 0u;
+    if (i == j || j == k) {
+        lambda = GIRIH_LAMBDA_EVEN(lambda);
+        if (mirrored) {
+            lambda = i == j ? GIRIH_LAMBDA_ODD_IJ(lambda) : GIRIH_LAMBDA_ODD_JK(lambda);
+        }
+    } else if (GIRIH_LAMBDA_IS_ODD(lambda) != mirrored) {
+        range = 1u;
+    }
+    uint rank = i * (i + 1u) * (i + 2u) / 6u + j * (j + 1u) / 2u + k;
+    range += girih_pattern(rank, GIRIH_PATTERN_RANGE);
+    uint group = (material & GIRIH_MATERIAL_MASK) * frame.range_count + range;
+    KEYS(triangle) = group << 3 | lambda;
+}

@@ -1,0 +1,213 @@
+// What the library and its shaders must agree on: bindings, and the words of every record. Read by
+// C and by GLSL alike, so only the preprocessor is used. All storage is arrays of 32-bit words.
+#ifndef GIRIH_SHARED_H
+#define GIRIH_SHARED_H
+
+// --- The arrays a shader may read or write, and their binding in descriptor set 0 ---------------
+//
+// The scene's arrays are those of girih_mesh for all meshes one after another, with vertex, edge and
+// weld edge numbers counted through.
+#define GIRIH_BIND_FRAME 0            // uniform: GirihFrame
+#define GIRIH_BIND_VERTICES 1         // scene: position and normal, 6 floats
+#define GIRIH_BIND_ATTRIBUTES 2       // scene: attribute_floats floats a vertex
+#define GIRIH_BIND_TRIANGLE_VERTICES 3 // scene: 3
+#define GIRIH_BIND_TRIANGLE_EDGES 4   // scene: 3 x (edge | GIRIH_EDGE_REVERSED | GIRIH_EDGE_SEAM)
+#define GIRIH_BIND_TRIANGLE_MATERIALS 5 // scene: material | GIRIH_TWO_SIDED
+#define GIRIH_BIND_EDGE_POINTS 6      // scene: 2 vertices
+#define GIRIH_BIND_SEAMS 7            // scene: 4 vertices
+#define GIRIH_BIND_TRIANGLE_WELD_EDGES 8 // scene: 3 x (weld edge | GIRIH_WELD_REVERSED)
+#define GIRIH_BIND_WELD_EDGE_EDGES 9  // scene: its edge
+#define GIRIH_BIND_WELD_POINTS 10     // scene: per vertex the vertex that stands for its point
+#define GIRIH_BIND_EDGE_WELD_EDGES 11 // scene: per edge the weld edge that stands for all of its own
+#define GIRIH_BIND_PATTERNS 12        // catalogue: GIRIH_PATTERN_WORDS a rank, then one word a range: rank
+#define GIRIH_BIND_PATTERN_VERTICES 13 // catalogue: u | v << 16
+#define GIRIH_BIND_PATTERN_INDICES 14 // catalogue: 2 or 4 bytes each
+#define GIRIH_BIND_INSTANCES 15       // plan: GIRIH_INSTANCE_WORDS each, one more at the end
+#define GIRIH_BIND_BLOCKS 16          // plan: the instance of every 64th triangle, edge, weld edge
+#define GIRIH_BIND_LEVELS 17          // plan: one level an instance's edge
+#define GIRIH_BIND_KEYS 18            // plan: one key an instance's triangle
+#define GIRIH_BIND_ITEMS 19           // plan: the sorted triangles, GIRIH_ITEM_WORDS each
+#define GIRIH_BIND_ITEMS_SPARE 20     // plan: the same, where the sort takes more than one pass
+#define GIRIH_BIND_COUNTERS 21        // plan: the sort's and the scan's counters
+#define GIRIH_BIND_GROUPS 22          // plan: GIRIH_GROUP_WORDS a group, one more at the end
+#define GIRIH_BIND_STATUS 23          // plan: GIRIH_STATUS_WORDS, then one word a rank: in use
+#define GIRIH_BIND_DRAWS 24           // plan: VkDrawIndexedIndirectCommand
+#define GIRIH_BIND_WELD_OFFSETS 25    // plan: per instance's weld edge, its first output vertex
+#define GIRIH_BIND_OUT_POSITIONS 26   // output: 3 floats, in windows
+#define GIRIH_BIND_OUT_ATTRIBUTES 27  // output: normal and attributes, in windows; instanced: patches
+#define GIRIH_BIND_OUT_INDICES 28     // output: 3 a triangle, in windows
+#define GIRIH_BIND_OUT_CLOSED_INDICES 29 // output: 3 a triangle, in windows
+#define GIRIH_BIND_OUT_SOURCES 30     // output: instance and triangle of each output triangle, in windows
+#define GIRIH_BIND_COUNT 31
+
+// Where only four storage buffers a stage may be had: all arrays of the scene and the catalogue in
+// one, all of the plan in another. The outputs keep their own: no stage writes more than two, except
+// the index lists, of which one dispatch then writes one.
+#define GIRIH_BIND_SHARED_SCENE 1
+#define GIRIH_BIND_SHARED_PLAN 15
+
+// --- Marks in the scene's words ------------------------------------------------------------------
+#define GIRIH_EDGE_SEAM 0x80000000u     // the edge is a seam: its curve is the mean of two sides'
+#define GIRIH_EDGE_REVERSED 0x40000000u // the triangle runs along it against its canonical order
+#define GIRIH_EDGE_MASK 0x3fffffffu
+#define GIRIH_WELD_REVERSED 0x80000000u
+#define GIRIH_WELD_MASK 0x7fffffffu
+#define GIRIH_TWO_SIDED 0x80000000u
+#define GIRIH_MATERIAL_MASK 0xffffu
+
+#define GIRIH_VERTEX_WORDS 6
+
+// --- Instances: a mesh placed in the world --------------------------------------------------------
+//
+// Triangles, edges and weld edges of all instances are counted through as the plan's; "first" is the
+// plan's number of an instance's first one, and the one after the last instance closes the last
+// range. Deltas turn a scene number into a plan number by wrapping addition.
+#define GIRIH_INSTANCE_WORDS 32
+#define GIRIH_INSTANCE_TRANSFORM 0      // 12 floats: rows of mesh to world
+#define GIRIH_INSTANCE_NORMAL 12        // 9 floats: rows of the inverse transpose, times |determinant|
+#define GIRIH_INSTANCE_FLAGS 21
+#define GIRIH_INSTANCE_FIRST_TRIANGLE 22
+#define GIRIH_INSTANCE_FIRST_EDGE 23
+#define GIRIH_INSTANCE_FIRST_WELD_EDGE 24
+#define GIRIH_INSTANCE_TRIANGLE_DELTA 25 // plan triangle = scene triangle + delta
+#define GIRIH_INSTANCE_EDGE_DELTA 26     // plan edge = scene edge + delta
+#define GIRIH_INSTANCE_WELD_DELTA 27     // plan weld edge = scene weld edge + delta
+#define GIRIH_INSTANCE_VERTEX_DELTA 28   // welded output vertex of a corner = scene vertex + delta
+#define GIRIH_INSTANCE_SEAM_DELTA 29     // seam = scene edge + delta
+#define GIRIH_INSTANCE_MESH_TRIANGLE 30  // the mesh's first scene triangle
+
+#define GIRIH_INSTANCE_MIRRORED 1u       // the transform turns the winding round
+
+#define GIRIH_BLOCK 64u                  // triangles, edges or weld edges to one word of BLOCKS
+
+// --- The catalogue on the device ------------------------------------------------------------------
+//
+// A range is a base pattern with one winding. Patterns with i > j > k have two, forward and mirrored;
+// the others need one, because the tie rule of select gives them the permutation that keeps the
+// winding.
+#define GIRIH_PATTERN_WORDS 12
+#define GIRIH_PATTERN_SEGMENTS 0       // 3
+#define GIRIH_PATTERN_VERTICES 3
+#define GIRIH_PATTERN_TRIANGLES 4
+#define GIRIH_PATTERN_FIRST_VERTEX 5
+#define GIRIH_PATTERN_FIRST_INDEX 6    // forward range, into PATTERN_INDICES
+#define GIRIH_PATTERN_FIRST_MIRRORED 7 // mirrored range; equal to the forward one where there is none
+#define GIRIH_PATTERN_RANGE 8          // number of the forward range; the mirrored one follows
+#define GIRIH_PATTERN_REPLICAS 9       // copies of the indices, one after another, for baked draws
+#define GIRIH_PATTERN_CHUNKS 10        // invocations that share one triangle's vertices
+
+#define GIRIH_CHUNK_VERTICES 256u      // vertices an invocation evaluates at most
+#define GIRIH_DRAW_TRIANGLES 4096u     // triangles a baked draw's replicas hold at most, if more than one
+
+// --- Sorting --------------------------------------------------------------------------------------
+//
+// A key is group << 3 | lambda, and group = material * ranges + range.
+#define GIRIH_KEY_CULLED 0xffffffffu
+#define GIRIH_ITEM_WORDS 2
+#define GIRIH_ITEM_TRIANGLE 0          // the plan's triangle
+#define GIRIH_ITEM_KEY 1
+
+#define GIRIH_GROUP_WORDS 8
+#define GIRIH_GROUP_FIRST 0            // item
+#define GIRIH_GROUP_END 1              // item
+#define GIRIH_GROUP_FIRST_VERTEX 2     // output vertex; welded: output vertex in the interior of a triangle
+#define GIRIH_GROUP_FIRST_TRIANGLE 3   // output triangle
+#define GIRIH_GROUP_FIRST_DRAW 4       // baked draw, over all materials
+#define GIRIH_GROUP_FIRST_CHUNK 5      // further chunk (beyond a triangle's first)
+
+// --- Status: what the host may read after a frame ---------------------------------------------------
+#define GIRIH_STATUS_WORDS 32
+#define GIRIH_STATUS_ITEMS 0            // triangles that were not culled
+#define GIRIH_STATUS_CLAMPED 1          // edges that asked for more than the catalogue holds
+#define GIRIH_STATUS_FLAGS 2
+#define GIRIH_STATUS_VERTICES 3         // output, as drawn
+#define GIRIH_STATUS_TRIANGLES 4
+#define GIRIH_STATUS_NEEDED_VERTICES 5  // low, high: what the levels asked for
+#define GIRIH_STATUS_NEEDED_TRIANGLES 7 // low, high
+#define GIRIH_STATUS_GROUPS 9           // not empty
+#define GIRIH_STATUS_PATTERNS 10        // base patterns in use
+#define GIRIH_STATUS_CHUNKS 11          // further chunks
+#define GIRIH_STATUS_WELD_VERTICES 12   // low, high: output vertices inside weld edges
+#define GIRIH_STATUS_EVALUATE 16        // VkDispatchIndirectCommand of evaluate and output
+
+#define GIRIH_STATUS_OVERFLOW 1u        // the frame was drawn at level 0 because it did not fit
+
+// --- Frame ------------------------------------------------------------------------------------------
+#define GIRIH_LEVELS_UNIFORM 0u
+#define GIRIH_LEVELS_RANDOM 1u
+#define GIRIH_LEVELS_LENGTH 2u          // world length against the distance to the eye
+#define GIRIH_LEVELS_OBJECT_LENGTH 3u   // mesh-space length
+
+#define GIRIH_CULL_FRUSTUM 1u
+#define GIRIH_CULL_BACK 2u
+
+// The uniform block of every stage: std140 in GLSL, the same bytes in C. Floats and words after the
+// vectors are packed, so the order of the fields is the layout.
+#define GIRIH_FRAME_BLOCK(VEC4, UVEC4, UINT, FLOAT) \
+    VEC4 planes[6];          /* world, inside where n.p + d >= 0 */ \
+    VEC4 eye;                /* w = 1: the eye; w = 0: the direction towards the viewer */ \
+    UVEC4 bases[8];          /* first word of each binding's array, where arrays share a buffer */ \
+    UINT rule; \
+    UINT uniform_level; \
+    UINT random_segments; \
+    UINT seed; \
+    FLOAT length_factor;     /* an edge asks for n segments: length^2 * factor <= n^2 * distance^2 */ \
+    FLOAT near_squared; \
+    UINT cull; \
+    UINT linear_spacing; \
+    UINT level_count; \
+    UINT triangle_count;     /* of all instances, as the next two */ \
+    UINT edge_count; \
+    UINT weld_edge_count; \
+    UINT corner_count;       /* welded output vertices at corners */ \
+    UINT instance_count; \
+    UINT range_count; \
+    UINT pattern_count; \
+    UINT material_count; \
+    UINT group_count;        /* material_count * range_count */ \
+    UINT output_mode; \
+    UINT sort_block;         /* keys of one block of the sort */ \
+    UINT sort_block_count; \
+    UINT scan_block_count;   /* blocks of GIRIH_MAX_SORT_BLOCK weld edges */ \
+    UINT max_vertices; \
+    UINT max_triangles; \
+    UINT draws_per_material; /* 0: none */ \
+    UINT pattern_draws;      /* 1: baked draws use the catalogue's indices; 0: one draw of OUT_INDICES */ \
+    UINT attribute_floats; \
+    UINT index_bytes;        /* of the catalogue's indices on the device */ \
+    UINT triangle_blocks;    /* first word in BLOCKS of the triangles' instances */ \
+    UINT edge_blocks; \
+    UINT weld_blocks;
+
+// What differs between the dispatches of one frame.
+#define GIRIH_PUSH_BLOCK(UINT) \
+    UINT shift;              /* group: the digit is group number >> shift ... */ \
+    UINT bins;               /* ... modulo bins, a power of two */ \
+    UINT first_pass;         /* group: reads KEYS, else the items of the pass before */ \
+    UINT to_spare;           /* group: writes ITEMS_SPARE (and reads ITEMS), else the other way round */ \
+    UINT window_first;       /* evaluate, output: first vertex, triangle or item of the bound window */ \
+    UINT window_count; \
+    UINT outputs;            /* output: the index lists this dispatch writes */
+
+// --- Modes and workgroups -----------------------------------------------------------------------------
+#define GIRIH_OUTPUT_INSTANCED 0u
+#define GIRIH_OUTPUT_BAKED 1u
+#define GIRIH_OUTPUT_WELDED 2u
+
+#define GIRIH_OUTPUT_BIT_INDICES 1u
+#define GIRIH_OUTPUT_BIT_CLOSED_INDICES 2u
+#define GIRIH_OUTPUT_BIT_SOURCES 4u
+
+#define GIRIH_WORKGROUP 64
+#define GIRIH_MAX_BIN_BITS 9u
+#define GIRIH_MAX_BINS 512u             // of one pass of the sort
+#define GIRIH_MAX_SORT_BLOCK 1024u      // keys of one block of the sort
+
+// --- Patches: what the instanced mode's vertex shader reads for each triangle --------------------------
+//
+// In world space, corners already permuted by lambda, so that the base pattern applies unchanged.
+#define GIRIH_PATCH_WORDS_FLAT 24       // corners 3x3, normals 3x3, ids 4, padding 2
+#define GIRIH_PATCH_WORDS_PN 52         // control points 10x3, normals 6x3, ids 4
+// ids: the three vertices (for attributes), then the item's key
+
+#endif
