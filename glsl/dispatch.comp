@@ -168,6 +168,9 @@ void main() {
         if (count != 0u) {
             STATUS(GIRIH_STATUS_WORDS + rank) = 1u;
         }
+        if (range == 0u) {
+            STATUS(GIRIH_STATUS_WORDS + frame.pattern_count + group / frame.range_count) = sums.triangles.x;
+        }
         if (frame.output_mode == GIRIH_OUTPUT_INSTANCED && frame.draws_per_material != 0u) {
             bool mirror = range != girih_pattern(rank, GIRIH_PATTERN_RANGE);
             uint draw = group * 5u;
@@ -204,6 +207,7 @@ void main() {
         STATUS(GIRIH_STATUS_TRIANGLES) = total.triangles.x;
         STATUS(GIRIH_STATUS_GROUPS) = total.groups;
         STATUS(GIRIH_STATUS_CHUNKS) = total.chunks;
+        STATUS(GIRIH_STATUS_WORDS + frame.pattern_count + frame.material_count) = total.triangles.x;
         uint patterns = 0u;
         for (uint rank = 0u; rank < frame.pattern_count; ++rank) {
             patterns += STATUS(GIRIH_STATUS_WORDS + rank);

@@ -44,7 +44,7 @@ GirihItem girih_read_item(uint number) {
         item.corners[n] = corners >> (2u * n) & 3u;
         item.edges[n] = edges >> (2u * n) & 3u;
     }
-    item.odd = GIRIH_LAMBDA_IS_ODD(item.lambda);
+    item.odd = GIRIH_LAMBDA_IS_ODD(item.lambda) != 0u;
     return item;
 }
 

@@ -23,6 +23,11 @@ bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
     GirihTransform t = girih_instance_transform(instance);
     if ((frame.cull & GIRIH_CULL_FRUSTUM) != 0u) {
         vec3 world = girih_transform_point(t, centre);
+        // Bounds |world| of every point of the box and of every sum on the way to it.
+        vec3 far = max(abs(low), abs(high));
+        precise vec3 size = vec3(girih_dot(abs(t.row0.xyz), far) + abs(t.row0.w),
+                                 girih_dot(abs(t.row1.xyz), far) + abs(t.row1.w),
+                                 girih_dot(abs(t.row2.xyz), far) + abs(t.row2.w));
         for (int n = 0; n < 6; ++n) {
             vec3 plane = frame.planes[n].xyz;
             precise float distance = girih_dot(plane, world) + frame.planes[n].w;
@@ -30,7 +35,7 @@ bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
             precise vec3 normal = (t.row0.xyz * plane.x + t.row1.xyz * plane.y) + t.row2.xyz * plane.z;
             precise float radius = girih_dot(abs(normal), extent);
             // Slack for the rounding of the test itself: culling may never open a hole.
-            precise float slack = (radius + girih_length_bound(plane) * girih_length_bound(world)) * 1e-5;
+            precise float slack = (radius + girih_length_bound(plane) * girih_length_bound(size)) * 1e-5;
             if (distance + (radius + slack) < 0.0) {
                 return true;
             }
@@ -85,7 +90,8 @@ bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
         }
         precise float reach = girih_length_bound(to_eye) + radius;
         precise float facing = girih_dot(normal, to_eye) + lift;
-        precise float slack = girih_length_bound(normal) * reach * 1e-5;
+        // The cross product of a sliver rounds by its factors' size, not by its own.
+        precise float slack = ((girih_length_bound(along2) * girih_length_bound(along3)) * reach) * 1e-5;
         if (facing + (spread * reach + slack) < 0.0) {
             return true;
         }
@@ -169,7 +175,7 @@ void main() {
         if (mirrored) {
             lambda = i == j ? GIRIH_LAMBDA_ODD_IJ(lambda) : GIRIH_LAMBDA_ODD_JK(lambda);
         }
-    } else if (GIRIH_LAMBDA_IS_ODD(lambda) != mirrored) {
+    } else if ((GIRIH_LAMBDA_IS_ODD(lambda) != 0u) != mirrored) {
         range = 1u;
     }
     uint rank = i * (i + 1u) * (i + 2u) / 6u + j * (j + 1u) / 2u + k;

@@ -30,7 +30,8 @@
 #define GIRIH_BIND_ITEMS_SPARE 20     // plan: the same, where the sort takes more than one pass
 #define GIRIH_BIND_COUNTERS 21        // plan: the sort's and the scan's counters
 #define GIRIH_BIND_GROUPS 22          // plan: GIRIH_GROUP_WORDS a group, one more at the end
-#define GIRIH_BIND_STATUS 23          // plan: GIRIH_STATUS_WORDS, then one word a rank: in use
+#define GIRIH_BIND_STATUS 23          // plan: GIRIH_STATUS_WORDS, then one word a rank: in use, then
+                                      // each material's first output triangle and their end
 #define GIRIH_BIND_DRAWS 24           // plan: VkDrawIndexedIndirectCommand
 #define GIRIH_BIND_WELD_OFFSETS 25    // plan: per instance's weld edge, its first output vertex
 #define GIRIH_BIND_OUT_POSITIONS 26   // output: 3 floats, in windows
@@ -41,10 +42,11 @@
 #define GIRIH_BIND_COUNT 31
 
 // Where only four storage buffers a stage may be had: all arrays of the scene and the catalogue in
-// one, all of the plan in another. The outputs keep their own: no stage writes more than two, except
-// the index lists, of which one dispatch then writes one.
+// one, all of the plan in another. Positions and attributes keep theirs, and each of the index lists
+// is written by a dispatch of its own through the binding of the positions.
 #define GIRIH_BIND_SHARED_SCENE 1
 #define GIRIH_BIND_SHARED_PLAN 15
+#define GIRIH_BIND_SHARED_LIST 26
 
 // --- Marks in the scene's words ------------------------------------------------------------------
 #define GIRIH_EDGE_SEAM 0x80000000u     // the edge is a seam: its curve is the mean of two sides'
@@ -177,7 +179,8 @@
     UINT index_bytes;        /* of the catalogue's indices on the device */ \
     UINT triangle_blocks;    /* first word in BLOCKS of the triangles' instances */ \
     UINT edge_blocks; \
-    UINT weld_blocks;
+    UINT weld_blocks; \
+    UINT uniform_clamped;    /* 1: uniform_level has fewer segments than were asked for */
 
 // What differs between the dispatches of one frame.
 #define GIRIH_PUSH_BLOCK(UINT) \

@@ -16,7 +16,8 @@ typedef enum girih_gltf_alpha_mode { GIRIH_GLTF_ALPHA_OPAQUE, GIRIH_GLTF_ALPHA_M
 
 typedef enum girih_gltf_wrap { GIRIH_GLTF_WRAP_REPEAT, GIRIH_GLTF_WRAP_MIRROR, GIRIH_GLTF_WRAP_CLAMP } girih_gltf_wrap;
 
-// An image as 8-bit RGBA rows, top row first.
+// An image as 8-bit RGBA rows, top row first, sRGB as the base colour is. Only images that some
+// material uses as its base colour are decoded; a material whose image cannot be has none.
 typedef struct girih_gltf_image {
     uint32_t width, height;
     const uint8_t *pixels; // 4 * width * height bytes, owned by the model
@@ -65,8 +66,12 @@ typedef struct girih_gltf_mesh {
     const girih_gltf_primitive *primitives;
 } girih_gltf_mesh;
 
-// A mesh placed in the scene: every node with a mesh that the default scene reaches (all nodes where
-// a file has no scene).
+#define GIRIH_GLTF_NO_NODE UINT32_MAX
+
+// A mesh placed in the scene: every node with a mesh that the default scene reaches (the first scene
+// where none is the default, all nodes where a file has no scene). A skinned mesh is placed, in its
+// bind pose, by its own node. In a file without any node that has a mesh, every mesh is placed once,
+// untransformed, its node being GIRIH_GLTF_NO_NODE.
 typedef struct girih_gltf_placement {
     uint32_t mesh;
     uint32_t node;

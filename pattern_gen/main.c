@@ -1,0 +1,420 @@
+// girih-patterns: generates, describes and checks catalogues of base patterns.
+// Exit status: 0 done, 1 failed on this input, 2 wrong use.
+#define _GNU_SOURCE
+#include <argp.h>
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "error.h"
+#include "family.h"
+#include "girih/catalogue.h"
+#include "laws.h"
+#include "output.h"
+#include "permutation.h"
+#include "report.h"
+#include "writer.h"
+
+enum { EXIT_WRONG_USE = 2 };
+
+// What all subcommands' options are read into.
+typedef struct arguments {
+    const char *program; // "girih-patterns generate"
+    bool takes_file;
+    const char *file;
+    const char *output;
+    const char *spacing;
+    const char *max;
+    const char *family;
+    const char *symbol;
+    bool json;
+} arguments;
+
+typedef struct command {
+    const char *name;
+    const char *usage; // the operands
+    const char *text;  // what --help says: a summary, then \v and examples
+    const struct argp_option *options;
+    int (*run)(const arguments *arguments);
+} command;
+
+enum { OPTION_SPACING = 256, OPTION_MAX, OPTION_FAMILY, OPTION_NAME, OPTION_JSON };
+
+#define OUTPUT_OPTION {"output", 'o', "FILE", 0, "The file to write", 0}
+#define JSON_OPTION {"json", OPTION_JSON, NULL, 0, "Print one JSON object", 0}
+#define END_OF_OPTIONS {NULL, 0, NULL, 0, NULL, 0}
+
+static const struct argp_option generate_options[] = {
+    {"spacing", OPTION_SPACING, "dyadic|linear", 0,
+     "dyadic: level l splits an edge into 2^l segments; linear: into l + 1", 0},
+    {"max", OPTION_MAX, "N", 0, "Levels 0..N (dyadic) or 1..N segments (linear)", 0},
+    {"family", OPTION_FAMILY, "NAME", 0, "uniform (the default): a regular grid inside, one ring "
+     "stitched to the borders", 0},
+    OUTPUT_OPTION,
+    END_OF_OPTIONS,
+};
+static const struct argp_option json_options[] = {JSON_OPTION, END_OF_OPTIONS};
+static const struct argp_option no_options[] = {END_OF_OPTIONS};
+static const struct argp_option output_options[] = {OUTPUT_OPTION, END_OF_OPTIONS};
+static const struct argp_option embed_options[] = {
+    {"name", OPTION_NAME, "SYMBOL", 0, "The array's name in C", 0},
+    OUTPUT_OPTION,
+    END_OF_OPTIONS,
+};
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+static int wrong_use(const char *program, const char *format, ...) {
+    va_list values;
+    va_start(values, format);
+    fprintf(stderr, "%s: ", program);
+    vfprintf(stderr, format, values);
+    fputc('\n', stderr);
+    va_end(values);
+    return EXIT_WRONG_USE;
+}
+
+static int failed(const arguments *arguments, const char *where, const girih_error *error) {
+    fprintf(stderr, "%s: %s%s%s\n", arguments->program, where ? where : "", where ? ": " : "",
+            error->message);
+    return EXIT_FAILURE;
+}
+
+// A catalogue in memory: the file's own pages.
+typedef struct mapped_catalogue {
+    void *bytes;
+    size_t size;
+    const girih_catalogue *catalogue;
+} mapped_catalogue;
+
+static girih_result map_file(mapped_catalogue *mapped, int file, girih_error *error) {
+    struct stat status;
+    if (fstat(file, &status) != 0) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "%s", strerror(errno));
+    }
+    if (!S_ISREG(status.st_mode)) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "is not a regular file");
+    }
+    if (status.st_size == 0) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "is empty");
+    }
+    mapped->size = (size_t)status.st_size;
+    mapped->bytes = mmap(NULL, mapped->size, PROT_READ, MAP_PRIVATE, file, 0);
+    if (mapped->bytes == MAP_FAILED) {
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "%s", strerror(errno));
+    }
+    return GIRIH_OK;
+}
+
+static girih_result open_catalogue(mapped_catalogue *mapped, const char *path,
+                                   girih_error *error) {
+    *mapped = (mapped_catalogue){.bytes = MAP_FAILED};
+    int file = open(path, O_RDONLY | O_CLOEXEC);
+    if (file < 0) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "%s", strerror(errno));
+    }
+    girih_result result = map_file(mapped, file, error);
+    close(file);
+    if (result != GIRIH_OK) {
+        return result;
+    }
+    result = girih_catalogue_open(mapped->bytes, mapped->size, &mapped->catalogue, error);
+    if (result != GIRIH_OK) {
+        munmap(mapped->bytes, mapped->size);
+    }
+    return result;
+}
+
+static void close_catalogue(mapped_catalogue *mapped) {
+    munmap(mapped->bytes, mapped->size);
+}
+
+static int finish_output(const arguments *arguments) {
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        girih_error error;
+        girih_fail(&error, GIRIH_ERROR_INVALID_ARGUMENT, "cannot write to standard output");
+        return failed(arguments, NULL, &error);
+    }
+    return EXIT_SUCCESS;
+}
+
+static void show_progress(uint32_t done, uint32_t all) {
+    if (isatty(STDERR_FILENO)) {
+        fprintf(stderr, "\r%u of %u patterns%s", done, all, done == all ? "\n" : "");
+    }
+}
+
+// Reads a whole number that fits 32 bits.
+static bool read_number(const char *text, uint32_t *number) {
+    if (!isdigit((unsigned char)text[0]) || strlen(text) > 9) {
+        return false;
+    }
+    char *end = NULL;
+    *number = (uint32_t)strtoul(text, &end, 10);
+    return *end == 0;
+}
+
+static int run_generate(const arguments *arguments) {
+    const char *program = arguments->program;
+    if (!arguments->spacing || !arguments->max || !arguments->output) {
+        return wrong_use(program, "--spacing, --max and --output are needed");
+    }
+    bool dyadic = strcmp(arguments->spacing, "dyadic") == 0;
+    if (!dyadic && strcmp(arguments->spacing, "linear") != 0) {
+        return wrong_use(program, "--spacing is dyadic or linear, not '%s'", arguments->spacing);
+    }
+    uint32_t first = dyadic ? 0 : 1;
+    uint32_t last = dyadic ? GIRIH_LARGEST_DYADIC_LEVEL : GIRIH_LARGEST_LINEAR_COUNT;
+    uint32_t max = 0;
+    if (!read_number(arguments->max, &max) || max < first || max > last) {
+        return wrong_use(program, "--max is a number from %u to %u with --spacing %s, not '%s'",
+                         first, last, arguments->spacing, arguments->max);
+    }
+    const char *name = arguments->family ? arguments->family : girih_family_uniform.name;
+    const girih_family *family = girih_family_find(name);
+    if (!family) {
+        return wrong_use(program, "--family is uniform, not '%s'", name);
+    }
+    girih_error error;
+    girih_spacing spacing = dyadic ? GIRIH_SPACING_DYADIC : GIRIH_SPACING_LINEAR;
+    if (girih_catalogue_write(family, spacing, max, arguments->output, show_progress, &error) !=
+        GIRIH_OK) {
+        return failed(arguments, NULL, &error);
+    }
+    return EXIT_SUCCESS;
+}
+
+static int run_info(const arguments *arguments) {
+    girih_error error;
+    mapped_catalogue mapped;
+    if (open_catalogue(&mapped, arguments->file, &error) != GIRIH_OK) {
+        return failed(arguments, arguments->file, &error);
+    }
+    girih_result result =
+        girih_report_info(mapped.catalogue, arguments->json, stdout, &error);
+    close_catalogue(&mapped);
+    return result == GIRIH_OK ? finish_output(arguments)
+                              : failed(arguments, arguments->file, &error);
+}
+
+static int run_dump(const arguments *arguments) {
+    girih_error error;
+    mapped_catalogue mapped;
+    if (open_catalogue(&mapped, arguments->file, &error) != GIRIH_OK) {
+        return failed(arguments, arguments->file, &error);
+    }
+    girih_report_dump(mapped.catalogue, arguments->json, stdout);
+    close_catalogue(&mapped);
+    return finish_output(arguments);
+}
+
+static int run_check(const arguments *arguments) {
+    girih_error error;
+    mapped_catalogue mapped;
+    if (open_catalogue(&mapped, arguments->file, &error) != GIRIH_OK) {
+        return failed(arguments, arguments->file, &error);
+    }
+    girih_result result = girih_laws_check_catalogue(mapped.catalogue, &error);
+    uint32_t count = mapped.catalogue->pattern_count;
+    close_catalogue(&mapped);
+    if (result != GIRIH_OK) {
+        return failed(arguments, arguments->file, &error);
+    }
+    printf("%s: %u base patterns, every law holds\n", arguments->file, count);
+    return finish_output(arguments);
+}
+
+static int run_emit_permutation(const arguments *arguments) {
+    if (!arguments->output) {
+        return wrong_use(arguments->program, "--output is needed");
+    }
+    girih_error error;
+    girih_permutation table[GIRIH_LAMBDA_COUNT];
+    girih_output output;
+    if (girih_permutation_derive(table, &error) != GIRIH_OK ||
+        girih_output_open(&output, arguments->output, &error) != GIRIH_OK) {
+        return failed(arguments, NULL, &error);
+    }
+    girih_permutation_emit(table, output.stream);
+    if (girih_output_commit(&output, &error) != GIRIH_OK) {
+        return failed(arguments, NULL, &error);
+    }
+    return EXIT_SUCCESS;
+}
+
+static bool is_identifier(const char *text) {
+    if (!isalpha((unsigned char)text[0]) && text[0] != '_') {
+        return false;
+    }
+    for (; *text; text++) {
+        if (!isalnum((unsigned char)*text) && *text != '_') {
+            return false;
+        }
+    }
+    return true;
+}
+
+static int run_embed(const arguments *arguments) {
+    if (!arguments->symbol || !arguments->output) {
+        return wrong_use(arguments->program, "--name and --output are needed");
+    }
+    if (!is_identifier(arguments->symbol)) {
+        return wrong_use(arguments->program, "--name is a C identifier, not '%s'",
+                         arguments->symbol);
+    }
+    girih_error error;
+    mapped_catalogue mapped;
+    if (open_catalogue(&mapped, arguments->file, &error) != GIRIH_OK) {
+        return failed(arguments, arguments->file, &error);
+    }
+    girih_output output;
+    girih_result result = girih_output_open(&output, arguments->output, &error);
+    if (result == GIRIH_OK) {
+        girih_report_embed(mapped.catalogue, arguments->symbol, output.stream);
+        result = girih_output_commit(&output, &error);
+    }
+    close_catalogue(&mapped);
+    return result == GIRIH_OK ? EXIT_SUCCESS : failed(arguments, NULL, &error);
+}
+
+static const command commands[] = {
+    {"generate", "",
+     "Generate a catalogue.\v"
+     "Examples:\n"
+     "  girih-patterns generate --spacing dyadic --max 6 -o dyadic.gpat\n"
+     "  girih-patterns generate --spacing linear --max 16 -o linear.gpat\n",
+     generate_options, run_generate},
+    {"info", "FILE",
+     "Print a catalogue's figures: patterns, sizes, angles.\v"
+     "Examples:\n"
+     "  girih-patterns info dyadic.gpat\n"
+     "  girih-patterns info dyadic.gpat --json\n",
+     json_options, run_info},
+    {"dump", "FILE",
+     "Print every vertex and triangle of a catalogue.\v"
+     "Examples:\n"
+     "  girih-patterns dump linear.gpat --json > linear.json\n",
+     json_options, run_dump},
+    {"check", "FILE",
+     "Check every law of a catalogue: distinct vertices, exact borders, positive areas that add up "
+     "to the whole, every inner edge shared by two triangles.\v"
+     "Examples:\n"
+     "  girih-patterns check dyadic.gpat\n",
+     no_options, run_check},
+    {"embed", "FILE",
+     "Write a catalogue as a C source: const uint64_t SYMBOL[] and const size_t SYMBOL_size.\v"
+     "Examples:\n"
+     "  girih-patterns embed dyadic.gpat --name my_catalogue -o my_catalogue.c\n",
+     embed_options, run_embed},
+    {"emit-permutation", "",
+     "Write girih_permutation.h, the table of lambda for C and GLSL.\v"
+     "Examples:\n"
+     "  girih-patterns emit-permutation -o girih_permutation.h\n",
+     output_options, run_emit_permutation},
+};
+
+static const char help[] =
+    "usage: girih-patterns COMMAND [OPTION...]\n"
+    "Catalogues of base patterns for adaptive tessellation.\n"
+    "\n"
+    "  generate          generate a catalogue\n"
+    "  info              print a catalogue's figures\n"
+    "  dump              print every vertex and triangle\n"
+    "  check             check every law of a catalogue\n"
+    "  embed             write a catalogue as a C source\n"
+    "  emit-permutation  write the table of lambda for C and GLSL\n"
+    "\n"
+    "Examples:\n"
+    "  girih-patterns generate --spacing dyadic --max 6 -o dyadic.gpat\n"
+    "  girih-patterns info dyadic.gpat --json\n"
+    "  girih-patterns check dyadic.gpat\n"
+    "\n"
+    "girih-patterns COMMAND --help tells more.\n";
+
+static error_t parse_option(int key, char *value, struct argp_state *state) {
+    arguments *arguments = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        // One line per error: without a stream argp leaves out its "Try --help" and the exit.
+        state->err_stream = NULL;
+        return 0;
+    case 'o':
+        arguments->output = value;
+        return 0;
+    case OPTION_SPACING:
+        arguments->spacing = value;
+        return 0;
+    case OPTION_MAX:
+        arguments->max = value;
+        return 0;
+    case OPTION_FAMILY:
+        arguments->family = value;
+        return 0;
+    case OPTION_NAME:
+        arguments->symbol = value;
+        return 0;
+    case OPTION_JSON:
+        arguments->json = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (!arguments->takes_file || arguments->file) {
+            wrong_use(arguments->program, "one argument too many: '%s'", value);
+            return EINVAL;
+        }
+        arguments->file = value;
+        return 0;
+    case ARGP_KEY_END:
+        if (arguments->takes_file && !arguments->file) {
+            wrong_use(arguments->program, "a FILE is needed");
+            return EINVAL;
+        }
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static int run_command(const command *command, int argc, char **argv) {
+    char program[64];
+    snprintf(program, sizeof program, "girih-patterns %s", command->name);
+    argv[0] = program;
+    arguments arguments = {.program = program, .takes_file = command->usage[0] != 0};
+    const struct argp parser = {
+        .options = command->options,
+        .parser = parse_option,
+        .args_doc = command->usage,
+        .doc = command->text,
+    };
+    argp_err_exit_status = EXIT_WRONG_USE;
+    if (argp_parse(&parser, argc, argv, 0, NULL, &arguments) != 0) {
+        return EXIT_WRONG_USE;
+    }
+    return command->run(&arguments);
+}
+
+int main(int argc, char **argv) {
+    if (argc < 2) {
+        return wrong_use("girih-patterns", "a command is needed; --help lists them");
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-?") == 0 ||
+        strcmp(argv[1], "help") == 0) {
+        fputs(help, stdout);
+        return fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    }
+    for (size_t n = 0; n < sizeof commands / sizeof *commands; n++) {
+        if (strcmp(argv[1], commands[n].name) == 0) {
+            return run_command(&commands[n], argc - 1, argv + 1);
+        }
+    }
+    return wrong_use("girih-patterns", "unknown %s '%s'; --help lists the commands",
+                     argv[1][0] == '-' ? "option" : "command", argv[1]);
+}

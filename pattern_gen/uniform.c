@@ -1,0 +1,402 @@
+// The family `uniform`: the inner vertices of the regular grid of the largest segment count n, and
+// one ring of triangles between that grid and the three borders, n^2 - 3n + n1 + n2 + n3 triangles.
+//
+// Which triangles fill the ring is chosen by the constrained Delaunay triangulation, which makes
+// the smallest angle as large as it can be; with n segments on all edges it is the regular grid.
+// Flipping edges (Lawson 1977) reaches it from any first triangulation and never changes the number
+// of triangles.
+#include "family.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+#include "error.h"
+#include "girih/catalogue.h"
+
+#define NO_NEIGHBOUR UINT32_MAX
+
+// A vertex of the ring: on the border, or on the outline of the inner grid.
+typedef struct ring_vertex {
+    uint32_t index;    // of the pattern's vertex
+    double weights[3]; // barycentric coordinates before rounding: equal distances stay equal
+} ring_vertex;
+
+typedef struct ring_triangle {
+    uint32_t vertices[3];   // of the ring
+    uint32_t neighbours[3]; // the triangle across the edge from vertex n to n + 1, or NO_NEIGHBOUR
+    bool queued;
+} ring_triangle;
+
+typedef struct ring {
+    const uint32_t *positions; // packed, by pattern vertex
+    ring_vertex *vertices;     // the border in the order of the pattern, then the inner outline
+    ring_triangle *triangles;  // in order around the triangle until edges are flipped
+    uint32_t triangle_count;
+    uint32_t *queue; // triangles whose edges are still to be looked at, each at most once
+    uint32_t queued;
+    int symmetry_corner; // the corner on the pattern's axis of symmetry, -1 without one
+} ring;
+
+static uint32_t pack(uint32_t u, uint32_t v) {
+    return u | v << 16;
+}
+
+// round(m * 32768 / n) for the nearer half of an edge, the other half mirrored: an edge reads the
+// same from both ends.
+static uint32_t edge_parameter(uint32_t m, uint32_t n) {
+    if (2 * m > n) {
+        return GIRIH_BARYCENTRIC_ONE - edge_parameter(n - m, n);
+    }
+    return (2 * m * GIRIH_BARYCENTRIC_ONE + n) / (2 * n);
+}
+
+// The pattern's vertex m of n on an edge: corners first, then the inner vertices edge by edge.
+static uint32_t border_vertex(const uint32_t segments[3], uint32_t edge, uint32_t m) {
+    if (m == 0) {
+        return edge;
+    }
+    if (m == segments[edge]) {
+        return (edge + 1) % 3;
+    }
+    uint32_t first = 3;
+    for (uint32_t e = 0; e < edge; e++) {
+        first += segments[e] - 1;
+    }
+    return first + m - 1;
+}
+
+static uint32_t border_count(const uint32_t segments[3]) {
+    return segments[0] + segments[1] + segments[2];
+}
+
+// The pattern's vertex at (n - b - c, b, c) / n inside the triangle: rows along edge 1, from there
+// towards P3.
+static uint32_t interior_vertex(const uint32_t segments[3], uint32_t b, uint32_t c) {
+    uint32_t row = c - 1;
+    return border_count(segments) + row * (segments[0] - 2) - row * (row - 1) / 2 + b - 1;
+}
+
+// Rounds the two smallest weights and gives the rest to the largest, so that the rows next to the
+// borders stay straight and parallel to them: no triangle of the ring can turn over by rounding.
+static uint32_t interior_position(uint32_t n, uint32_t b, uint32_t c) {
+    const uint32_t steps[3] = {n - b - c, b, c};
+    uint32_t largest = 0;
+    uint32_t weights[3];
+    uint32_t rest = GIRIH_BARYCENTRIC_ONE;
+    for (uint32_t corner = 0; corner < 3; corner++) {
+        largest = steps[corner] > steps[largest] ? corner : largest;
+        weights[corner] = edge_parameter(steps[corner], n);
+        rest -= weights[corner];
+    }
+    weights[largest] += rest;
+    return pack(weights[0], weights[1]);
+}
+
+static void place_vertices(const uint32_t segments[3], uint32_t *vertices) {
+    for (uint32_t edge = 0; edge < 3; edge++) {
+        for (uint32_t m = 0; m < segments[edge]; m++) {
+            uint32_t weights[3] = {0, 0, 0};
+            weights[(edge + 1) % 3] = edge_parameter(m, segments[edge]);
+            weights[edge] = GIRIH_BARYCENTRIC_ONE - weights[(edge + 1) % 3];
+            vertices[border_vertex(segments, edge, m)] = pack(weights[0], weights[1]);
+        }
+    }
+    uint32_t n = segments[0];
+    for (uint32_t c = 1; c + 1 < n; c++) {
+        for (uint32_t b = 1; b + c < n; b++) {
+            vertices[interior_vertex(segments, b, c)] = interior_position(n, b, c);
+        }
+    }
+}
+
+// The triangles whose corners are all inside, (n - 3)^2 of them.
+static uint32_t *fill_interior(const uint32_t segments[3], uint32_t *index) {
+    uint32_t n = segments[0];
+    for (uint32_t c = 1; c + 2 < n; c++) {
+        for (uint32_t b = 1; b + c + 1 < n; b++) {
+            *index++ = interior_vertex(segments, b, c);
+            *index++ = interior_vertex(segments, b + 1, c);
+            *index++ = interior_vertex(segments, b, c + 1);
+            if (b + c + 2 < n) {
+                *index++ = interior_vertex(segments, b + 1, c);
+                *index++ = interior_vertex(segments, b + 1, c + 1);
+                *index++ = interior_vertex(segments, b, c + 1);
+            }
+        }
+    }
+    return index;
+}
+
+// Step m of the outline of the inner grid along an edge, for n > 2, m in [0, n - 3].
+static uint32_t outline_vertex(const uint32_t segments[3], uint32_t edge, uint32_t m) {
+    uint32_t steps = segments[0] - 3;
+    return border_count(segments) + (steps == 0 ? 0 : (edge * steps + m) % (3 * steps));
+}
+
+static void place_ring_vertices(const uint32_t segments[3], ring_vertex *vertices) {
+    for (uint32_t edge = 0; edge < 3; edge++) {
+        double count = segments[edge];
+        for (uint32_t m = 0; m < segments[edge]; m++) {
+            uint32_t index = border_vertex(segments, edge, m);
+            vertices[index] = (ring_vertex){.index = index};
+            vertices[index].weights[edge] = (segments[edge] - m) / count;
+            vertices[index].weights[(edge + 1) % 3] = m / count;
+        }
+    }
+    uint32_t n = segments[0];
+    for (uint32_t edge = 0; edge < 3 && n > 2; edge++) {
+        for (uint32_t m = 0; m + 2 < n; m++) {
+            uint32_t steps[3] = {1, 1, 1};
+            steps[edge] = n - 2 - m;
+            steps[(edge + 1) % 3] = m + 1;
+            ring_vertex *vertex = &vertices[outline_vertex(segments, edge, m)];
+            vertex->index = interior_vertex(segments, steps[1], steps[2]);
+            for (int corner = 0; corner < 3; corner++) {
+                vertex->weights[corner] = steps[corner] / (double)n;
+            }
+        }
+    }
+}
+
+static void add_ring_triangle(ring *ring, uint32_t a, uint32_t b, uint32_t c, uint32_t entry,
+                              uint32_t exit) {
+    uint32_t here = ring->triangle_count++;
+    ring_triangle *triangle = &ring->triangles[here];
+    *triangle = (ring_triangle){.vertices = {a, b, c}};
+    for (int edge = 0; edge < 3; edge++) {
+        triangle->neighbours[edge] = NO_NEIGHBOUR;
+    }
+    triangle->neighbours[entry] = here - 1;
+    triangle->neighbours[exit] = here + 1;
+}
+
+// Steps along a border and the outline of the inner grid at once, always on the side that lags
+// behind. Both are straight and parallel, so every step gives a triangle of positive area.
+static void stitch_edge(ring *ring, const uint32_t segments[3], uint32_t edge) {
+    uint32_t outer_count = segments[edge];
+    uint32_t inner_count = segments[0] - 3;
+    uint32_t outer = 0;
+    uint32_t inner = 0;
+    while (outer < outer_count || inner < inner_count) {
+        uint32_t border = border_vertex(segments, edge, outer);
+        uint32_t outline = outline_vertex(segments, edge, inner);
+        bool outward = inner == inner_count ||
+                       (outer < outer_count &&
+                        (2 * outer + 1) * segments[0] <= (2 * inner + 4) * outer_count);
+        if (outward) {
+            outer++;
+            add_ring_triangle(ring, border, border_vertex(segments, edge, outer), outline, 2, 1);
+        } else {
+            inner++;
+            add_ring_triangle(ring, outline_vertex(segments, edge, inner), outline, border, 1, 2);
+        }
+    }
+}
+
+// The first triangulation of the ring.
+static void stitch(ring *ring, const uint32_t segments[3]) {
+    if (segments[0] > 2) {
+        for (uint32_t edge = 0; edge < 3; edge++) {
+            stitch_edge(ring, segments, edge);
+        }
+        // Close the ring. Its first triangle stands on edge 1, which has n segments.
+        ring->triangles[0].neighbours[2] = ring->triangle_count - 1;
+        ring_triangle *last = &ring->triangles[ring->triangle_count - 1];
+        for (int edge = 0; edge < 3; edge++) {
+            if (last->neighbours[edge] == ring->triangle_count) {
+                last->neighbours[edge] = 0;
+            }
+        }
+        return;
+    }
+    // No vertex inside: a fan around the middle of edge 1, or the one triangle itself.
+    uint32_t middle = segments[0] == 2 ? border_vertex(segments, 0, 1) : 0;
+    for (uint32_t edge = 0; edge < 3; edge++) {
+        for (uint32_t m = 0; m < segments[edge]; m++) {
+            uint32_t from = border_vertex(segments, edge, m);
+            uint32_t to = border_vertex(segments, edge, m + 1);
+            if (from != middle && to != middle) {
+                add_ring_triangle(ring, from, to, middle, 2, 1);
+            }
+        }
+    }
+    ring->triangles[0].neighbours[2] = NO_NEIGHBOUR;
+    ring->triangles[ring->triangle_count - 1].neighbours[1] = NO_NEIGHBOUR;
+}
+
+// Twice the signed area, in units of 1 / 32768^2 of the whole.
+static int64_t doubled_area(const ring *ring, uint32_t a, uint32_t b, uint32_t c) {
+    uint32_t corners[3] = {a, b, c};
+    int64_t u[3];
+    int64_t v[3];
+    for (int n = 0; n < 3; n++) {
+        uint32_t position = ring->positions[ring->vertices[corners[n]].index];
+        u[n] = position & 0xffff;
+        v[n] = position >> 16;
+    }
+    return (u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]);
+}
+
+// sqrt(3) times the cotangent of the angle at `apex` in the equilateral triangle.
+static double cotangent(const ring *ring, uint32_t apex, uint32_t from, uint32_t to) {
+    const double *p = ring->vertices[apex].weights;
+    const double *a = ring->vertices[from].weights;
+    const double *b = ring->vertices[to].weights;
+    double dot = 0;
+    for (int corner = 0; corner < 3; corner++) {
+        dot += (a[corner] - p[corner]) * (b[corner] - p[corner]);
+    }
+    double cross = (a[0] - p[0]) * (b[1] - p[1]) - (b[0] - p[0]) * (a[1] - p[1]);
+    return dot / cross;
+}
+
+// Four points on a circle have two Delaunay triangulations. The diagonal that begins farthest from
+// the pattern's axis of symmetry is taken, so that both sides of the axis choose alike.
+static bool goes_before(const ring *ring, uint32_t a, uint32_t b) {
+    if (ring->symmetry_corner >= 0) {
+        int corner = ring->symmetry_corner;
+        const double *p = ring->vertices[a].weights;
+        const double *q = ring->vertices[b].weights;
+        double distance_a = fabs(p[(corner + 1) % 3] - p[(corner + 2) % 3]);
+        double distance_b = fabs(q[(corner + 1) % 3] - q[(corner + 2) % 3]);
+        if (distance_a > distance_b || distance_a < distance_b) {
+            return distance_a > distance_b;
+        }
+        if (p[corner] > q[corner] || p[corner] < q[corner]) {
+            return p[corner] > q[corner];
+        }
+    }
+    return a < b;
+}
+
+static uint32_t first_of(const ring *ring, uint32_t a, uint32_t b) {
+    return goes_before(ring, a, b) ? a : b;
+}
+
+// Whether the quadrilateral a, d, b, c should be cut from c to d rather than from a to b.
+static bool should_flip(const ring *ring, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+    if (doubled_area(ring, a, d, c) <= 0 || doubled_area(ring, d, b, c) <= 0) {
+        return false;
+    }
+    const double tie = 1e-9;
+    double sum = cotangent(ring, c, a, b) + cotangent(ring, d, b, a);
+    if (fabs(sum) > tie) {
+        return sum < 0;
+    }
+    return goes_before(ring, first_of(ring, c, d), first_of(ring, a, b));
+}
+
+static void replace_neighbour(ring *ring, uint32_t triangle, uint32_t old, uint32_t new) {
+    for (int edge = 0; edge < 3 && triangle != NO_NEIGHBOUR; edge++) {
+        if (ring->triangles[triangle].neighbours[edge] == old) {
+            ring->triangles[triangle].neighbours[edge] = new;
+        }
+    }
+}
+
+// Flips an edge of a triangle where that is better; returns the other triangle, or NO_NEIGHBOUR.
+static uint32_t flip(ring *ring, uint32_t here, uint32_t edge) {
+    ring_triangle *triangle = &ring->triangles[here];
+    uint32_t there = triangle->neighbours[edge];
+    if (there == NO_NEIGHBOUR) {
+        return NO_NEIGHBOUR;
+    }
+    ring_triangle *other = &ring->triangles[there];
+    uint32_t next = (edge + 1) % 3;
+    uint32_t last = (edge + 2) % 3;
+    uint32_t a = triangle->vertices[edge];
+    uint32_t b = triangle->vertices[next];
+    uint32_t c = triangle->vertices[last];
+    uint32_t other_a = 0;
+    while (other->vertices[other_a] != a) {
+        other_a++;
+    }
+    uint32_t d = other->vertices[(other_a + 1) % 3];
+    if (!should_flip(ring, a, b, c, d)) {
+        return NO_NEIGHBOUR;
+    }
+    uint32_t across_bc = triangle->neighbours[next];
+    uint32_t across_ca = triangle->neighbours[last];
+    uint32_t across_ad = other->neighbours[other_a];
+    uint32_t across_db = other->neighbours[(other_a + 1) % 3];
+    *triangle = (ring_triangle){{c, a, d}, {across_ca, across_ad, there}, triangle->queued};
+    *other = (ring_triangle){{d, b, c}, {across_db, across_bc, here}, other->queued};
+    replace_neighbour(ring, across_ad, there, here);
+    replace_neighbour(ring, across_bc, here, there);
+    return there;
+}
+
+static void enqueue(ring *ring, uint32_t triangle) {
+    if (!ring->triangles[triangle].queued) {
+        ring->triangles[triangle].queued = true;
+        ring->queue[ring->queued++] = triangle;
+    }
+}
+
+static void make_delaunay(ring *ring) {
+    for (uint32_t n = 0; n < ring->triangle_count; n++) {
+        enqueue(ring, n);
+    }
+    while (ring->queued > 0) {
+        uint32_t here = ring->queue[--ring->queued];
+        ring->triangles[here].queued = false;
+        for (uint32_t edge = 0; edge < 3; edge++) {
+            uint32_t there = flip(ring, here, edge);
+            if (there != NO_NEIGHBOUR) {
+                enqueue(ring, here);
+                enqueue(ring, there);
+                break;
+            }
+        }
+    }
+}
+
+static void count(const uint32_t segments[3], uint32_t *vertex_count, uint32_t *triangle_count) {
+    uint32_t n = segments[0];
+    *vertex_count = border_count(segments) + (n > 2 ? (n - 1) * (n - 2) / 2 : 0);
+    *triangle_count = n * n + border_count(segments) - 3 * n;
+}
+
+static int symmetry_corner(const uint32_t segments[3]) {
+    if (segments[0] == segments[1]) {
+        return 1;
+    }
+    return segments[1] == segments[2] ? 2 : -1;
+}
+
+static girih_result build(const uint32_t segments[3], uint32_t *vertices, uint32_t *indices,
+                          girih_error *error) {
+    place_vertices(segments, vertices);
+    uint32_t *index = fill_interior(segments, indices);
+
+    uint32_t outline = segments[0] > 3 ? 3 * (segments[0] - 3) : 1;
+    size_t capacity = (size_t)border_count(segments) + outline;
+    ring ring = {
+        .positions = vertices,
+        .vertices = calloc(capacity, sizeof *ring.vertices),
+        .triangles = calloc(capacity, sizeof *ring.triangles),
+        .queue = calloc(capacity, sizeof *ring.queue),
+        .symmetry_corner = symmetry_corner(segments),
+    };
+    girih_result result = GIRIH_OK;
+    if (!ring.vertices || !ring.triangles || !ring.queue) {
+        result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory for %zu ring vertices",
+                            capacity);
+    } else {
+        place_ring_vertices(segments, ring.vertices);
+        stitch(&ring, segments);
+        make_delaunay(&ring);
+        for (uint32_t n = 0; n < ring.triangle_count; n++) {
+            for (int corner = 0; corner < 3; corner++) {
+                *index++ = ring.vertices[ring.triangles[n].vertices[corner]].index;
+            }
+        }
+    }
+    free(ring.queue);
+    free(ring.triangles);
+    free(ring.vertices);
+    return result;
+}
+
+const girih_family girih_family_uniform = {.name = "uniform", .count = count, .build = build};

@@ -1,0 +1,139 @@
+// What the parts of the glTF loader share: the parsed document, its checks, and the model behind the
+// C interface of gltf.h. A file is refused by throwing `refusal`, which only gltf.cc catches.
+//
+// Who reads what: the container, the JSON and every number that leads into a buffer are read and
+// checked here, because tinygltf takes both on trust; tinygltf then reads the description of the
+// scene (nodes, cameras, materials, textures, samplers) out of the checked document.
+#ifndef GIRIH_VIEWER_GLTF_MODEL_HH
+#define GIRIH_VIEWER_GLTF_MODEL_HH
+
+#include "gltf.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace girih_gltf {
+
+using json = nlohmann::json;
+using bytes = std::vector<std::uint8_t>;
+
+// The file is wrong, or asks for what is not supported; what() is the one line for the user.
+struct refusal : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+// Control characters, line breaks among them, become spaces: names in a file can hold anything.
+std::string one_line(std::string text);
+
+// Hands one line at a time to the caller's function, which may be NULL.
+class warner {
+public:
+    warner(void (*function)(void *, const char *), void *user) : function_(function), user_(user) {}
+    void operator()(const std::string &line) const
+    {
+        if (function_ != nullptr) {
+            function_(user_, one_line(line).c_str());
+        }
+    }
+
+private:
+    void (*function_)(void *, const char *);
+    void *user_;
+};
+
+// The whole of a regular file; refuses anything else, since a FIFO or a device may never end.
+bytes read_regular_file(const std::string &path);
+
+// A glTF document whose properties have the types and whose indices the targets that glTF 2.0 asks
+// for (check_document), beside the bytes its buffers refer to.
+class document {
+public:
+    explicit document(const std::string &path);
+
+    json root;
+
+    // A view's bytes. Refuses a view that reaches outside its buffer and a buffer that cannot be had.
+    struct span {
+        const std::uint8_t *data;
+        std::size_t size;
+        std::size_t stride; // 0: tightly packed
+    };
+    span view(std::size_t index);
+
+    // What a URI of this document refers to; where names its owner in a refusal.
+    bytes fetch(const std::string &uri, const std::string &where) const;
+
+    std::size_t count(const char *array) const;
+
+private:
+    void read_glb();
+    span buffer(std::size_t index);
+
+    std::string folder_; // "" or ending in '/'
+    bytes file_;
+    std::size_t json_offset_ = 0, json_size_ = 0;
+    std::size_t binary_offset_ = 0, binary_size_ = 0;
+    bool has_binary_ = false;
+    std::map<std::size_t, bytes> buffers_; // fetched when first used
+};
+
+// Refuses a document with a property of the wrong type, a missing one or an unresolved index.
+// Integers written as 2.0 become integers.
+void check_document(json &root);
+
+// Refuses a required extension that is not understood; warns of optional ones that change the picture.
+void check_extensions(const json &root, const warner &warn);
+
+// "mesh 3 'door'": how messages name an element of a top-level array.
+std::string label(const json &root, const char *array, const char *kind, std::size_t index);
+
+} // namespace girih_gltf
+
+struct girih_gltf_model {
+    girih_gltf::json root; // the source document, which girih_gltf_write starts from
+
+    // The encoded bytes of every image, as in the source; empty where they could not be read.
+    std::vector<girih_gltf::bytes> image_files;
+
+    // Decoded accessors are shared by the primitives that refer to them, as in the file. Deques and
+    // maps keep their elements where they are, so the C structures can point into them.
+    std::map<std::pair<std::size_t, bool>, std::vector<float>> values;
+    std::deque<std::vector<std::uint32_t>> indices;
+    std::deque<std::string> names;
+    std::deque<std::vector<girih_gltf_attribute>> attributes;
+    std::deque<std::vector<girih_gltf_primitive>> primitives;
+    std::vector<std::vector<std::size_t>> source_primitives; // [mesh][primitive]: its index in the file
+
+    std::vector<girih_gltf_mesh> meshes;
+    std::vector<girih_gltf_placement> placements;
+    std::vector<girih_gltf_material> materials;
+    std::vector<girih_gltf_image> images;
+    std::vector<std::unique_ptr<std::uint8_t, void (*)(void *)>> pixels;
+    std::vector<girih_gltf_camera> cameras;
+    girih_gltf_contents contents = {};
+
+    const char *keep_name(std::string name);
+};
+
+namespace girih_gltf {
+
+void load_geometry(girih_gltf_model &model, document &source, const warner &warn); // gltf_geometry.cc
+void load_image_files(girih_gltf_model &model, document &source, const warner &warn); // gltf_scene.cc
+void load_scene(girih_gltf_model &model, const document &source, const warner &warn); // gltf_scene.cc
+
+// Throws refusal where the file cannot be written.
+void write_model(const girih_gltf_model &model, const girih_gltf_refined_primitive *const *refined,
+                 const char *path); // gltf_write.cc
+
+} // namespace girih_gltf
+
+#endif

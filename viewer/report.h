@@ -1,0 +1,46 @@
+// What the program says, and its exit codes.
+#ifndef GIRIH_VIEWER_REPORT_H
+#define GIRIH_VIEWER_REPORT_H
+
+#include <jansson.h>
+
+#include "girih/plan.h"
+
+enum { GIRIH_EXIT_DONE = 0, GIRIH_EXIT_FAILED = 1, GIRIH_EXIT_WRONG_USE = 2 };
+
+// Prints "girih: FILE: what" on standard error and returns GIRIH_EXIT_FAILED. file may be NULL.
+int girih_report_failure(const char *file, const char *what);
+
+// Prints "girih: FILE: warning: what" on standard error.
+void girih_report_warning(const char *file, const char *what);
+
+// A gltf.h warning function; user is the file's name.
+void girih_report_gltf_warning(void *user, const char *line);
+
+// Shows what is being done, where standard error is a terminal; NULL clears the line.
+void girih_report_progress(const char *what);
+
+// Milliseconds of the stages. Negative: not measured.
+typedef struct girih_stage_times {
+    double levels, select, group, dispatch, evaluate, draw;
+    double wall; // from recording to the end of the last wait, drawing left out
+} girih_stage_times;
+
+extern const girih_stage_times girih_no_times;
+
+// Seconds of a clock that only goes forward.
+double girih_seconds(void);
+
+// The JSON object of render and refine; NULL where memory ran out.
+json_t *girih_report_json(const char *device, const char *mode, const girih_statistics *statistics,
+                          const girih_stage_times *times);
+
+// The same for people, on standard error.
+void girih_report_text(const char *device, const char *mode, const girih_statistics *statistics,
+                       const girih_stage_times *times);
+
+// Prints an object on standard output, as the only thing there, and releases it. Returns an exit
+// code: failed where root is NULL or standard output cannot be written.
+int girih_report_print(json_t *root);
+
+#endif

@@ -1,0 +1,39 @@
+// What the shaders of a picture share: the frame's uniform block, the material's push constants, and
+// the ways to shade. renderer.h holds the same layout for C.
+#ifndef GIRIH_PICTURE_GLSL
+#define GIRIH_PICTURE_GLSL
+
+const uint SHADE_LIT = 0u;
+const uint SHADE_NORMALS = 1u;
+const uint SHADE_RANGES = 2u; // a colour per range of the catalogue: levels or patterns
+
+layout(std140, set = 0, binding = 0) uniform Picture {
+    mat4 view_projection;
+    vec4 eye;       // w = 1: the eye; w = 0: the direction towards the viewer
+    vec4 key_light; // unit vector towards it
+    vec4 fill_light;
+    vec4 back_face; // a > 0: the colour of back faces, sRGB
+    uint shade;
+    uint range_count;
+    uint attribute_floats;
+    uint texcoord_float; // instanced: where the texture coordinates begin in a vertex's attributes
+    uint color_float;    // instanced: where the vertex colour begins
+} picture;
+
+layout(push_constant) uniform Material {
+    vec4 base_color;
+    vec4 emissive;     // w: not 0 where the material is unlit
+    vec4 texcoord_row0; // rows of KHR_texture_transform: offset * rotation * scale
+    vec4 texcoord_row1;
+    float metallic;
+    float roughness;
+    float alpha_cutoff;
+} material;
+
+layout(constant_id = 0) const bool HAS_TEXCOORD = false;
+layout(constant_id = 1) const bool HAS_COLOR = false;
+layout(constant_id = 2) const bool IS_MASK = false;  // alpha mode MASK
+layout(constant_id = 3) const bool IS_BLEND = false; // alpha mode BLEND
+layout(constant_id = 4) const bool IS_LINE = false;  // the wireframe over the picture
+
+#endif
