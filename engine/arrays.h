@@ -27,7 +27,7 @@ typedef struct girih_arrays {
     girih_frame_block frame;
 } girih_arrays;
 
-// Frees the words of the bindings from first up to, not including, end.
+// Frees the words of the bindings from first up to, not including, end; their counts stay.
 void girih_arrays_free(girih_arrays *arrays, uint32_t first, uint32_t end);
 
 // Fills the catalogue's arrays (PATTERNS, PATTERN_VERTICES, PATTERN_INDICES), and the frame's level_count,

@@ -49,7 +49,8 @@ static girih_result check_header(const void *bytes, size_t size, girih_error *er
     }
     if (header->version != GIRIH_CATALOGUE_VERSION) {
         return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
-                          "catalogue: format version %" PRIu32 ", only %u is known; generate it anew",
+                          "catalogue: format version %" PRIu32
+                          ", only %u is known; generate it anew",
                           header->version, GIRIH_CATALOGUE_VERSION);
     }
     if (header->header_bytes != sizeof *header) {

@@ -29,7 +29,6 @@ void girih_arrays_free(girih_arrays *arrays, uint32_t first, uint32_t end) {
     for (uint32_t binding = first; binding < end; ++binding) {
         girih_free(arrays->words[binding]);
         arrays->words[binding] = NULL;
-        arrays->count[binding] = 0;
     }
 }
 

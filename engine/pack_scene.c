@@ -112,19 +112,23 @@ static void copy_numbers(uint32_t *target, const uint32_t *source, size_t count,
     }
 }
 
+static void copy_floats(uint32_t *target, const float *source, size_t count) {
+    for (size_t n = 0; n < count; ++n) {
+        target[n] = girih_to_word(source[n]);
+    }
+}
+
 static void copy_vertices(girih_arrays *arrays, const girih_scene_mesh *place,
                           const girih_mesh *mesh) {
     uint32_t *vertices =
         arrays->words[GIRIH_BIND_VERTICES] + (size_t)place->first_vertex * GIRIH_VERTEX_WORDS;
     for (size_t n = 0; n < mesh->vertex_count; ++n) {
-        memcpy(vertices + n * GIRIH_VERTEX_WORDS, mesh->positions + 3 * n, 3 * sizeof(float));
-        memcpy(vertices + n * GIRIH_VERTEX_WORDS + 3, mesh->normals + 3 * n, 3 * sizeof(float));
+        copy_floats(vertices + n * GIRIH_VERTEX_WORDS, mesh->positions + 3 * n, 3);
+        copy_floats(vertices + n * GIRIH_VERTEX_WORDS + 3, mesh->normals + 3 * n, 3);
     }
     const size_t floats = mesh->attribute_floats;
-    if (floats > 0 && mesh->vertex_count > 0) {
-        memcpy(arrays->words[GIRIH_BIND_ATTRIBUTES] + place->first_vertex * floats,
-               mesh->attributes, mesh->vertex_count * floats * sizeof(float));
-    }
+    copy_floats(arrays->words[GIRIH_BIND_ATTRIBUTES] + place->first_vertex * floats,
+                mesh->attributes, mesh->vertex_count * floats);
     copy_numbers(arrays->words[GIRIH_BIND_WELD_POINTS] + place->first_vertex, mesh->vertex_point,
                  mesh->vertex_count, place->first_vertex);
 }

@@ -8,6 +8,12 @@
 
 #include "shared.h"
 
+// Declared before anything uses gl_WorkGroupSize: the compiler takes it for 1 up to here.
+#ifndef GIRIH_LOCAL_SIZE
+#define GIRIH_LOCAL_SIZE GIRIH_WORKGROUP
+#endif
+layout(local_size_x = GIRIH_LOCAL_SIZE) in;
+
 layout(std140, set = 0, binding = GIRIH_BIND_FRAME) uniform GirihFrame {
     GIRIH_FRAME_BLOCK(vec4, uvec4, uint, float)
 } frame;

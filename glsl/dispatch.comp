@@ -3,14 +3,15 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
+#if GIRIH_KERNEL == 0
+#define GIRIH_LOCAL_SIZE 128
+#endif
 #include "arrays.glsl"
 
 #if GIRIH_KERNEL == 0
 
 // One workgroup: each lane sums a run of groups, the sums of the lanes before it are added, and it
 // walks its run again to write. Counts that may pass 2^32 are carried as (low, high).
-layout(local_size_x = 128) in;
-
 const uint lanes = gl_WorkGroupSize.x;
 
 struct Sums {
@@ -231,8 +232,6 @@ void main() {
 // Baked draws: one invocation for each draw that a material may have. A group of C triangles whose
 // pattern's indices are replicated R times is drawn by ceil(C / R) draws, each with its own vertex
 // offset; what is left of a material's draws is empty.
-layout(local_size_x = GIRIH_WORKGROUP) in;
-
 uint first_draw(uint group) {
     return GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_DRAW);
 }

@@ -5,8 +5,6 @@
 
 #include "patch.glsl"
 
-layout(local_size_x = GIRIH_WORKGROUP) in;
-
 #if GIRIH_KERNEL == 0
 
 void write_vector(uint word, vec3 v) {

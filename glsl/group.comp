@@ -11,13 +11,12 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
-#include "arrays.glsl"
-
 #ifdef GIRIH_SERIAL
-layout(local_size_x = 8) in;
+#define GIRIH_LOCAL_SIZE 8
 #else
-layout(local_size_x = 128) in;
+#define GIRIH_LOCAL_SIZE 128
 #endif
+#include "arrays.glsl"
 
 const uint lanes = gl_WorkGroupSize.x;
 

@@ -4,8 +4,6 @@
 
 #include "scene.glsl"
 
-layout(local_size_x = GIRIH_WORKGROUP) in;
-
 // A random number from an edge's end points; the edge's ends stand in canonical order, so both
 // triangles at it agree.
 uint hash_word(uint hash, uint word) {

@@ -6,8 +6,6 @@
 
 #include "patch.glsl"
 
-layout(local_size_x = GIRIH_WORKGROUP) in;
-
 #if GIRIH_KERNEL == 0
 
 uint pattern_index(uint n) {

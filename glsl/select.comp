@@ -5,8 +5,6 @@
 #include "girih_permutation.h"
 #include "pn.glsl"
 
-layout(local_size_x = GIRIH_WORKGROUP) in;
-
 // Whether all of a triangle's patch is outside the frustum or faces away. The bounds are those of the
 // curved surface: a Bezier patch lies in the box of its control points, and its normal, the cross
 // product of its two derivatives, in a ball around the flat triangle's normal. `p` are the mesh-space

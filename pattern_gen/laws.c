@@ -179,8 +179,8 @@ static girih_result check_sorted_edges(const pattern_view *pattern, const direct
 
 static girih_result check_edges(const pattern_view *pattern, girih_error *error) {
     size_t count = (size_t)pattern->triangle_count * 3;
-    directed_edge *edges = malloc(count * sizeof *edges);
-    directed_edge *sorted = malloc(count * sizeof *sorted);
+    directed_edge *edges = calloc(count, sizeof *edges);
+    directed_edge *sorted = calloc(count, sizeof *sorted);
     uint32_t *first = malloc((pattern->vertex_count + (size_t)1) * sizeof *first);
     girih_result result = GIRIH_OK;
     if (!edges || !sorted || !first) {

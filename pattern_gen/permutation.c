@@ -193,24 +193,25 @@ void girih_permutation_emit(const girih_permutation table[GIRIH_LAMBDA_COUNT], F
         odd_ij |= (uint32_t)entry->odd_ij << 3 * lambda;
         odd_jk |= (uint32_t)entry->odd_jk << 3 * lambda;
     }
-    fputs("// Written by `girih-patterns emit-permutation`, which finds it by search. For C and GLSL\n"
-          "// alike: lambda is a uint32_t in C, a uint in GLSL, in 0..7.\n"
+    fputs("// Written by `girih-patterns emit-permutation`, which finds it by search. For C and\n"
+          "// GLSL alike: lambda is a uint32_t in C, a uint in GLSL, in 0..7.\n"
           "//\n"
-          "// lambda (ARKFPI, Lenz, Cavalcante-Neto, Vidal 2009, Figure 8) says how the levels (i, j, k)\n"
-          "// of the edges P1P2, P2P3, P3P1 are sorted to i >= j >= k: lambda = 0; if i < j swap them,\n"
-          "// lambda += 1; if i < k swap them, lambda += 2; if j < k swap them, lambda += 4. 3 cannot\n"
-          "// occur.\n"
+          "// lambda (ARKFPI, Lenz, Cavalcante-Neto, Vidal 2009, Figure 8) says how the levels\n"
+          "// (i, j, k) of the edges P1P2, P2P3, P3P1 are sorted to i >= j >= k: lambda = 0; if\n"
+          "// i < j swap them, lambda += 1; if i < k swap them, lambda += 2; if j < k swap them,\n"
+          "// lambda += 4. 3 cannot occur.\n"
           "#ifndef GIRIH_PERMUTATION_H\n"
           "#define GIRIH_PERMUTATION_H\n"
           "\n"
-          "// The input's corner, 0..2 for P1..P3, that is corner 1, 2 and 3 of the sorted triangle\n"
-          "// Q1 Q2 Q3. A base-pattern vertex (u, v, w) is placed at Q1 u + Q2 v + Q3 w.\n",
+          "// The input's corner, 0..2 for P1..P3, that is corner 1, 2 and 3 of the sorted\n"
+          "// triangle Q1 Q2 Q3. A base-pattern vertex (u, v, w) lies at Q1 u + Q2 v + Q3 w.\n",
           stream);
     emit_macro(stream, "CORNER_1", corners[0], 2);
     emit_macro(stream, "CORNER_2", corners[1], 2);
     emit_macro(stream, "CORNER_3", corners[2], 2);
-    fputs("\n// The three in one value: corner 1 in the bits 0 and 1, corner 2 in 2 and 3, corner 3 in 4\n"
-          "// and 5.\n"
+    fputs("\n"
+          "// The three in one value: corner 1 in the bits 0 and 1, corner 2 in 2 and 3, corner 3\n"
+          "// in 4 and 5.\n"
           "#define GIRIH_LAMBDA_CORNERS(lambda) \\\n"
           "    (GIRIH_LAMBDA_CORNER_1(lambda) | GIRIH_LAMBDA_CORNER_2(lambda) << 2u | \\\n"
           "     GIRIH_LAMBDA_CORNER_3(lambda) << 4u)\n"
@@ -225,18 +226,19 @@ void girih_permutation_emit(const girih_permutation table[GIRIH_LAMBDA_COUNT], F
           "    (GIRIH_LAMBDA_EDGE_1(lambda) | GIRIH_LAMBDA_EDGE_2(lambda) << 2u | \\\n"
           "     GIRIH_LAMBDA_EDGE_3(lambda) << 4u)\n"
           "\n"
-          "// Bit lambda is set where the permutation is odd: it mirrors the pattern, so its triangles\n"
-          "// must be turned over, (a, b, c) to (a, c, b), to wind as P1, P2, P3.\n",
+          "// Bit lambda is set where the permutation is odd: it mirrors the pattern, so its\n"
+          "// triangles must be turned over, (a, b, c) to (a, c, b), to wind as P1, P2, P3.\n",
           stream);
     fprintf(stream, "#define GIRIH_LAMBDA_ODD 0x%02" PRIx32 "u\n", odd);
     fputs("#define GIRIH_LAMBDA_IS_ODD(lambda) (GIRIH_LAMBDA_ODD >> (lambda) & 1u)\n"
           "\n"
-          "// The tie rule. Only where two or three of the levels are equal: the even lambda that serves\n"
-          "// as well.\n",
+          "// The tie rule. Only where two or three of the levels are equal: the even lambda that\n"
+          "// serves as well.\n",
           stream);
     emit_macro(stream, "EVEN", even, 3);
-    fputs("\n// Of an even lambda: the odd one that serves as well, only where the sorted levels have\n"
-          "// i == j, and only where they have j == k. For transforms that mirror.\n",
+    fputs("\n"
+          "// Of an even lambda: the odd one that serves as well, only where the sorted levels\n"
+          "// have i == j, and only where they have j == k. For transforms that mirror.\n",
           stream);
     emit_macro(stream, "ODD_IJ", odd_ij, 3);
     emit_macro(stream, "ODD_JK", odd_jk, 3);

@@ -13,7 +13,7 @@
 typedef struct girih_permutation {
     // Corner n of the sorted triangle is the input's corner corners[n]: Q[n] = P[corners[n]].
     uint8_t corners[3];
-    // Edge n of the sorted triangle is the input's edge edges[n]; edge n joins the corners n, n + 1.
+    // Edge n of the sorted triangle is the input's edge edges[n]; edge n joins corners n, n + 1.
     uint8_t edges[3];
     bool odd;
     uint8_t even;   // the even lambda that serves as well where two levels are equal

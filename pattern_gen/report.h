@@ -12,7 +12,8 @@ girih_result girih_report_info(const girih_catalogue *catalogue, bool json, FILE
 
 void girih_report_dump(const girih_catalogue *catalogue, bool json, FILE *stream);
 
-// A C source with the catalogue's bytes as `const uint64_t symbol[]` and `const size_t symbol_size`.
+// A C source with the catalogue's bytes as `const uint64_t symbol[]`, their number as
+// `const size_t symbol_size`.
 void girih_report_embed(const girih_catalogue *catalogue, const char *symbol, FILE *stream);
 
 #endif

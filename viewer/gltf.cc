@@ -14,8 +14,7 @@ namespace {
 
 // Runs work; on any exception writes its one line into message and returns false.
 template <typename Work>
-bool guarded(const char *path, char *message, size_t message_size, Work work) noexcept
-{
+bool guarded(const char *path, char *message, size_t message_size, Work work) noexcept {
     const char *reason = "unknown failure";
     try {
         try {
@@ -40,8 +39,7 @@ bool guarded(const char *path, char *message, size_t message_size, Work work) no
 
 } // namespace
 
-std::string girih_gltf::one_line(std::string text)
-{
+std::string girih_gltf::one_line(std::string text) {
     for (char &c : text) {
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
             c = ' ';
@@ -53,15 +51,13 @@ std::string girih_gltf::one_line(std::string text)
     return text;
 }
 
-const char *girih_gltf_model::keep_name(std::string name)
-{
+const char *girih_gltf_model::keep_name(std::string name) {
     names.push_back(std::move(name));
     return names.back().c_str();
 }
 
 girih_gltf_model *girih_gltf_load(const char *path, void (*warn)(void *user, const char *line),
-                                  void *user, char *message, size_t message_size)
-{
+                                  void *user, char *message, size_t message_size) {
     std::unique_ptr<girih_gltf_model> model;
     const bool loaded = guarded(path, message, message_size, [&] {
         model = std::make_unique<girih_gltf_model>();
@@ -76,18 +72,16 @@ girih_gltf_model *girih_gltf_load(const char *path, void (*warn)(void *user, con
     return loaded ? model.release() : nullptr;
 }
 
-void girih_gltf_destroy(girih_gltf_model *model)
-{
+void girih_gltf_destroy(girih_gltf_model *model) {
     delete model;
 }
 
-const girih_gltf_contents *girih_gltf_get(const girih_gltf_model *model)
-{
+const girih_gltf_contents *girih_gltf_get(const girih_gltf_model *model) {
     return &model->contents;
 }
 
-bool girih_gltf_write(const girih_gltf_model *model, const girih_gltf_refined_primitive *const *refined,
-                      const char *path, char *message, size_t message_size)
-{
+bool girih_gltf_write(const girih_gltf_model *model,
+                      const girih_gltf_refined_primitive *const *refined, const char *path,
+                      char *message, size_t message_size) {
     return guarded(path, message, message_size, [&] { write_model(*model, refined, path); });
 }

@@ -107,8 +107,9 @@ typedef struct girih_gltf_contents {
 
 // Loads .gltf or .glb. Warnings (points and lines left out, an optional extension not known, a
 // texture that cannot be decoded) are handed to warn, one line each without a newline; warn may be
-// NULL. On failure returns NULL and writes one line into message: what is wrong, where in the file,
-// and what to do where something can be done. Never aborts or throws.
+// NULL. On failure returns NULL and writes one line into message: the path, what is wrong, where in
+// the file, and what to do where something can be done. Never aborts or throws. Calls on different
+// models may run at once.
 girih_gltf_model *girih_gltf_load(const char *path, void (*warn)(void *user, const char *line), void *user,
                       char *message, size_t message_size);
 
@@ -129,7 +130,8 @@ typedef struct girih_gltf_refined_primitive {
 // Writes a .glb: the model with its nodes, materials, textures (embedded), cameras, extras and names,
 // each triangle primitive's geometry replaced by refined[mesh][primitive], in the order of girih_gltf_contents. Skins,
 // morph targets and animations are left out (the bind pose is written); points and lines are left out
-// as well. Positions are written bit for bit, with exact min and max. The file is written beside the
+// as well. Positions are written bit for bit, with exact min and max; normals and tangents are made unit
+// length where they are not. The file is written beside the
 // target under another name and moved over it when it is whole. Streams its output: no copy of the
 // refined geometry is held in memory. Returns false and one line in message on failure.
 bool girih_gltf_write(const girih_gltf_model *model, const girih_gltf_refined_primitive *const *refined, const char *path,

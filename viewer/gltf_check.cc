@@ -22,33 +22,46 @@ struct rule {
     const char *target;             // index: the top-level array it points into
 };
 
-constexpr rule required_object(const char *path) { return {path, kind::object, true, 0, 0, nullptr}; }
-constexpr rule object(const char *path) { return {path, kind::object, false, 0, 0, nullptr}; }
-constexpr rule array(const char *path) { return {path, kind::array, false, 0, 0, nullptr}; }
-constexpr rule required_array(const char *path) { return {path, kind::array, true, 0, 0, nullptr}; }
-constexpr rule string(const char *path) { return {path, kind::string, false, 0, 0, nullptr}; }
-constexpr rule required_string(const char *path) { return {path, kind::string, true, 0, 0, nullptr}; }
-constexpr rule boolean(const char *path) { return {path, kind::boolean, false, 0, 0, nullptr}; }
-constexpr rule number(const char *path) { return {path, kind::number, false, 0, 0, nullptr}; }
-constexpr rule required_number(const char *path) { return {path, kind::number, true, 0, 0, nullptr}; }
-constexpr rule numbers(const char *path, std::uint64_t count)
-{
+constexpr rule required_object(const char *path) {
+    return {path, kind::object, true, 0, 0, nullptr};
+}
+constexpr rule object(const char *path) {
+    return {path, kind::object, false, 0, 0, nullptr};
+}
+constexpr rule array(const char *path) {
+    return {path, kind::array, false, 0, 0, nullptr};
+}
+constexpr rule required_array(const char *path) {
+    return {path, kind::array, true, 0, 0, nullptr};
+}
+constexpr rule string(const char *path) {
+    return {path, kind::string, false, 0, 0, nullptr};
+}
+constexpr rule required_string(const char *path) {
+    return {path, kind::string, true, 0, 0, nullptr};
+}
+constexpr rule boolean(const char *path) {
+    return {path, kind::boolean, false, 0, 0, nullptr};
+}
+constexpr rule number(const char *path) {
+    return {path, kind::number, false, 0, 0, nullptr};
+}
+constexpr rule required_number(const char *path) {
+    return {path, kind::number, true, 0, 0, nullptr};
+}
+constexpr rule numbers(const char *path, std::uint64_t count) {
     return {path, kind::numbers, false, 0, count, nullptr};
 }
-constexpr rule integer(const char *path, std::uint64_t minimum, std::uint64_t maximum)
-{
+constexpr rule integer(const char *path, std::uint64_t minimum, std::uint64_t maximum) {
     return {path, kind::integer, false, minimum, maximum, nullptr};
 }
-constexpr rule required_integer(const char *path, std::uint64_t minimum, std::uint64_t maximum)
-{
+constexpr rule required_integer(const char *path, std::uint64_t minimum, std::uint64_t maximum) {
     return {path, kind::integer, true, minimum, maximum, nullptr};
 }
-constexpr rule index(const char *path, const char *target)
-{
+constexpr rule index(const char *path, const char *target) {
     return {path, kind::index, false, 0, 0, target};
 }
-constexpr rule required_index(const char *path, const char *target)
-{
+constexpr rule required_index(const char *path, const char *target) {
     return {path, kind::index, true, 0, 0, target};
 }
 
@@ -126,10 +139,17 @@ constexpr rule rules[] = {
     integer("materials/*/pbrMetallicRoughness/baseColorTexture/texCoord", 0, greatest_enum),
     object("materials/*/pbrMetallicRoughness/baseColorTexture/extensions"),
     object("materials/*/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform"),
-    numbers("materials/*/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/offset", 2),
-    numbers("materials/*/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/scale", 2),
-    number("materials/*/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/rotation"),
-    integer("materials/*/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/texCoord", 0, greatest_enum),
+    numbers("materials/*/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/"
+            "offset",
+            2),
+    numbers("materials/*/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/"
+            "scale",
+            2),
+    number("materials/*/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/"
+           "rotation"),
+    integer("materials/*/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/"
+            "texCoord",
+            0, greatest_enum),
     object("materials/*/pbrMetallicRoughness/metallicRoughnessTexture"),
     required_index("materials/*/pbrMetallicRoughness/metallicRoughnessTexture/index", "textures"),
     object("materials/*/normalTexture"),
@@ -201,14 +221,12 @@ constexpr rule rules[] = {
     index("scene", "scenes"),
 };
 
-[[noreturn]] void refuse(const std::string &where, const char *wanted)
-{
+[[noreturn]] void refuse(const std::string &where, const char *wanted) {
     throw refusal("property " + where + ": " + wanted);
 }
 
 // JSON has one kind of number, and some exporters write 2.0 for 2.
-bool make_integer(json &value)
-{
+bool make_integer(json &value) {
     if (value.is_number_unsigned()) {
         return value.get<std::uint64_t>() <= any_size;
     }
@@ -223,8 +241,7 @@ bool make_integer(json &value)
     return true;
 }
 
-void check_value(const json &root, const rule &rule, json &value, const std::string &where)
-{
+void check_value(const json &root, const rule &rule, json &value, const std::string &where) {
     switch (rule.type) {
     case kind::object:
         if (!value.is_object()) {
@@ -264,9 +281,11 @@ void check_value(const json &root, const rule &rule, json &value, const std::str
     case kind::integer:
         if (!make_integer(value) || value.get<std::uint64_t>() < rule.minimum ||
             value.get<std::uint64_t>() > rule.maximum) {
-            refuse(where, ("must be a whole number of at least " + std::to_string(rule.minimum) +
-                           (rule.maximum == any_size ? "" : " and at most " + std::to_string(rule.maximum)))
-                              .c_str());
+            refuse(
+                where,
+                ("must be a whole number of at least " + std::to_string(rule.minimum) +
+                 (rule.maximum == any_size ? "" : " and at most " + std::to_string(rule.maximum)))
+                    .c_str());
         }
         break;
     case kind::index: {
@@ -276,8 +295,8 @@ void check_value(const json &root, const rule &rule, json &value, const std::str
         const auto elements = root.find(rule.target);
         const std::size_t count = elements == root.end() ? 0 : elements->size();
         if (value.get<std::uint64_t>() >= count) {
-            refuse(where, ("is " + value.dump() + ", but there are only " + std::to_string(count) + " " +
-                           rule.target)
+            refuse(where, ("is " + value.dump() + ", but there are only " + std::to_string(count) +
+                           " " + rule.target)
                               .c_str());
         }
         break;
@@ -285,8 +304,8 @@ void check_value(const json &root, const rule &rule, json &value, const std::str
     }
 }
 
-void apply(const json &root, const rule &rule, const char *path, json &value, const std::string &where)
-{
+void apply(const json &root, const rule &rule, const char *path, json &value,
+           const std::string &where) {
     if (*path == '\0') {
         check_value(root, rule, value, where);
         return;
@@ -316,24 +335,39 @@ const std::set<std::string> understood = {"KHR_texture_transform", "KHR_material
 // Optional extensions that leave the picture girih draws as it is: the base colour, metallic,
 // roughness and emission of a surface, in the scene's bind pose.
 const std::set<std::string> harmless = {
-    "KHR_lights_punctual",       "KHR_materials_variants",
-    "KHR_materials_anisotropy",  "KHR_materials_clearcoat",
-    "KHR_materials_dispersion",  "KHR_materials_emissive_strength",
-    "KHR_materials_ior",         "KHR_materials_iridescence",
-    "KHR_materials_sheen",       "KHR_materials_specular",
-    "KHR_materials_transmission", "KHR_materials_volume",
-    "KHR_draco_mesh_compression", "EXT_meshopt_compression",
-    "KHR_meshopt_compression",   "KHR_animation_pointer",
-    "KHR_audio_emitter",         "KHR_xmp",
-    "KHR_xmp_json_ld",           "EXT_lights_image_based",
-    "EXT_structural_metadata",   "EXT_mesh_features",
-    "EXT_mesh_manifold",         "CESIUM_primitive_outline",
+    "KHR_lights_punctual",
+    "KHR_materials_variants",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+    "KHR_animation_pointer",
+    "KHR_audio_emitter",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "EXT_lights_image_based",
+    "EXT_structural_metadata",
+    "EXT_mesh_features",
+    "EXT_mesh_manifold",
+    "CESIUM_primitive_outline",
 };
 
-// How many bytes an element takes; 0 where its types are unknown. Columns of matrices begin at
-// multiples of 4 (glTF 2.0, section 3.6.2.4).
-std::uint64_t element_size(const json &accessor)
-{
+// How many bytes an element takes, and how far apart two are without a stride. Both 0 where its
+// types are unknown.
+struct element_layout {
+    std::uint64_t size, distance;
+};
+
+element_layout layout_of(const json &accessor) {
     const std::uint64_t component_type = accessor["componentType"];
     const std::string &type = accessor["type"].get_ref<const std::string &>();
     const std::uint64_t component = component_type == 5120 || component_type == 5121   ? 1
@@ -341,22 +375,24 @@ std::uint64_t element_size(const json &accessor)
                                     : component_type == 5125 || component_type == 5126 ? 4
                                                                                        : 0;
     if (type == "SCALAR") {
-        return component;
+        return {component, component};
     }
     if (type.size() != 4 || type[3] < '2' || type[3] > '4') {
-        return 0;
+        return {0, 0};
     }
     const std::uint64_t count = static_cast<std::uint64_t>(type[3] - '0');
     if (type.compare(0, 3, "MAT") == 0) {
-        return count * ((count * component + 3) / 4 * 4);
+        // Columns begin at multiples of 4 (glTF 2.0, section 3.6.2.4); the last is not padded.
+        const std::uint64_t column = (count * component + 3) / 4 * 4;
+        return {(count - 1) * column + count * component, count * column};
     }
-    return type.compare(0, 3, "VEC") == 0 ? count * component : 0;
+    const std::uint64_t size = type.compare(0, 3, "VEC") == 0 ? count * component : 0;
+    return {size, size};
 }
 
 // Buffer views must lie within their buffers' stated lengths and accessors within their views,
 // whether something uses them or not. No sum here can overflow: every size is below 2^63.
-void check_ranges(const json &root)
-{
+void check_ranges(const json &root) {
     const json none = json::array();
     const json &views = root.contains("bufferViews") ? root["bufferViews"] : none;
     for (std::size_t i = 0; i < views.size(); i++) {
@@ -366,16 +402,18 @@ void check_ranges(const json &root)
         const std::uint64_t size = views[i]["byteLength"];
         if (offset > buffer_size || size > buffer_size - offset) {
             throw refusal("buffer view " + std::to_string(i) + ": reaches beyond the " +
-                          std::to_string(buffer_size) + " bytes of buffer " + std::to_string(buffer));
+                          std::to_string(buffer_size) + " bytes of buffer " +
+                          std::to_string(buffer));
         }
         if (views[i].value("byteStride", std::uint64_t{0}) > size) {
-            throw refusal("buffer view " + std::to_string(i) + ": its stride is larger than the view");
+            throw refusal("buffer view " + std::to_string(i) +
+                          ": its stride is larger than the view");
         }
     }
     const json &accessors = root.contains("accessors") ? root["accessors"] : none;
     for (std::size_t i = 0; i < accessors.size(); i++) {
-        const std::uint64_t size = element_size(accessors[i]);
-        if (size == 0 || !accessors[i].contains("bufferView")) {
+        const element_layout element = layout_of(accessors[i]);
+        if (element.size == 0 || !accessors[i].contains("bufferView")) {
             continue;
         }
         const std::size_t view = accessors[i]["bufferView"];
@@ -383,19 +421,20 @@ void check_ranges(const json &root)
         const std::uint64_t offset = accessors[i].value("byteOffset", std::uint64_t{0});
         const std::uint64_t stride = views[view].value("byteStride", std::uint64_t{0});
         const std::uint64_t count = accessors[i]["count"];
-        if (offset > view_size || size > view_size - offset ||
-            count - 1 > (view_size - offset - size) / (stride == 0 ? size : stride)) {
-            throw refusal(label(root, "accessors", "accessor", i) + ": its " + std::to_string(count) +
-                          " elements reach beyond the " + std::to_string(view_size) +
-                          " bytes of buffer view " + std::to_string(view));
+        if (offset > view_size || element.size > view_size - offset ||
+            count - 1 >
+                (view_size - offset - element.size) / (stride == 0 ? element.distance : stride)) {
+            throw refusal(label(root, "accessors", "accessor", i) + ": its " +
+                          std::to_string(count) + " elements reach beyond the " +
+                          std::to_string(view_size) + " bytes of buffer view " +
+                          std::to_string(view));
         }
     }
 }
 
 } // namespace
 
-void check_document(json &root)
-{
+void check_document(json &root) {
     if (!root.is_object()) {
         throw refusal("the JSON is not an object");
     }
@@ -417,8 +456,7 @@ void check_document(json &root)
     check_ranges(root);
 }
 
-void check_extensions(const json &root, const warner &warn)
-{
+void check_extensions(const json &root, const warner &warn) {
     for (const json &element : root.value("extensionsRequired", json::array())) {
         const std::string name = element;
         if (understood.count(name) != 0) {

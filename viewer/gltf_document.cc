@@ -19,16 +19,14 @@ constexpr std::uint32_t magic_gltf = 0x46546C67, chunk_json = 0x4E4F534A, chunk_
 
 struct file_descriptor {
     int value;
-    ~file_descriptor()
-    {
+    ~file_descriptor() {
         if (value >= 0) {
             close(value);
         }
     }
 };
 
-std::uint32_t read_u32(const bytes &data, std::size_t offset)
-{
+std::uint32_t read_u32(const bytes &data, std::size_t offset) {
     std::uint32_t value = 0;
     for (unsigned i = 0; i < 4; i++) {
         value |= static_cast<std::uint32_t>(data[offset + i]) << (8 * i);
@@ -36,8 +34,7 @@ std::uint32_t read_u32(const bytes &data, std::size_t offset)
     return value;
 }
 
-void check_depth(const std::uint8_t *text, std::size_t size)
-{
+void check_depth(const std::uint8_t *text, std::size_t size) {
     unsigned depth = 0;
     bool in_string = false;
     for (std::size_t i = 0; i < size; i++) {
@@ -61,8 +58,7 @@ void check_depth(const std::uint8_t *text, std::size_t size)
     }
 }
 
-int hexadecimal_digit(char c)
-{
+int hexadecimal_digit(char c) {
     if (c >= '0' && c <= '9') {
         return c - '0';
     }
@@ -72,12 +68,12 @@ int hexadecimal_digit(char c)
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-std::string percent_decoded(const std::string &text)
-{
+std::string percent_decoded(const std::string &text) {
     std::string decoded;
     decoded.reserve(text.size());
     for (std::size_t i = 0; i < text.size(); i++) {
-        const int high = text[i] == '%' && i + 2 < text.size() ? hexadecimal_digit(text[i + 1]) : -1;
+        const int high =
+            text[i] == '%' && i + 2 < text.size() ? hexadecimal_digit(text[i + 1]) : -1;
         const int low = high >= 0 ? hexadecimal_digit(text[i + 2]) : -1;
         if (low >= 0) {
             decoded.push_back(static_cast<char>(high * 16 + low));
@@ -90,8 +86,7 @@ std::string percent_decoded(const std::string &text)
 }
 
 // RFC 4648; padding may be missing, anything else that is not base64 is refused.
-bytes base64_decoded(const std::string &text, std::size_t start, const std::string &where)
-{
+bytes base64_decoded(const std::string &text, std::size_t start, const std::string &where) {
     std::size_t end = text.size();
     while (end > start && text[end - 1] == '=') {
         end--;
@@ -126,14 +121,12 @@ bytes base64_decoded(const std::string &text, std::size_t start, const std::stri
     return decoded;
 }
 
-bool starts_with_ignoring_case(const std::string &text, const char *prefix)
-{
+bool starts_with_ignoring_case(const std::string &text, const char *prefix) {
     return strncasecmp(text.c_str(), prefix, std::strlen(prefix)) == 0;
 }
 
 // The length of "scheme:" in front of a URI, 0 where it is relative (RFC 3986, section 3.1).
-std::size_t scheme_length(const std::string &uri)
-{
+std::size_t scheme_length(const std::string &uri) {
     for (std::size_t i = 0; i < uri.size(); i++) {
         const char c = uri[i];
         const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
@@ -150,8 +143,7 @@ std::size_t scheme_length(const std::string &uri)
 
 } // namespace
 
-bytes read_regular_file(const std::string &path)
-{
+bytes read_regular_file(const std::string &path) {
     if (path.find('\0') != std::string::npos) {
         throw refusal("cannot open a file name with a zero byte in it");
     }
@@ -183,8 +175,7 @@ bytes read_regular_file(const std::string &path)
     return data;
 }
 
-std::string label(const json &root, const char *array, const char *kind, std::size_t index)
-{
+std::string label(const json &root, const char *array, const char *kind, std::size_t index) {
     std::string text = std::string(kind) + " " + std::to_string(index);
     const auto elements = root.find(array);
     if (elements != root.end() && index < elements->size()) {
@@ -196,14 +187,16 @@ std::string label(const json &root, const char *array, const char *kind, std::si
     return text;
 }
 
-document::document(const std::string &path) : file_(read_regular_file(path))
-{
+document::document(const std::string &path) : file_(read_regular_file(path)) {
     const std::size_t slash = path.rfind('/');
     folder_ = slash == std::string::npos ? "" : path.substr(0, slash + 1);
 
-    const bool named_glb = path.size() >= 4 && starts_with_ignoring_case(path.substr(path.size() - 4), ".glb");
-    std::size_t first = file_.size() >= 3 && std::memcmp(file_.data(), "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
-    while (first < file_.size() && std::strchr(" \t\r\n", file_[first]) != nullptr && file_[first] != 0) {
+    const bool named_glb =
+        path.size() >= 4 && starts_with_ignoring_case(path.substr(path.size() - 4), ".glb");
+    std::size_t first =
+        file_.size() >= 3 && std::memcmp(file_.data(), "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    while (first < file_.size() && std::strchr(" \t\r\n", file_[first]) != nullptr &&
+           file_[first] != 0) {
         first++;
     }
     if (file_.size() >= 4 && read_u32(file_, 0) == magic_gltf) {
@@ -221,13 +214,16 @@ document::document(const std::string &path) : file_(read_regular_file(path))
     try {
         root = json::parse(text, text + json_size_);
     } catch (const json::exception &failure) {
-        throw refusal("not valid JSON: " + std::string(failure.what()));
+        const std::string reason =
+            failure.what(); // "[json.exception.parse_error.101] parse error ..."
+        const std::size_t bracket = reason.find("] ");
+        throw refusal("not valid JSON: " +
+                      (bracket == std::string::npos ? reason : reason.substr(bracket + 2)));
     }
     check_document(root);
 }
 
-void document::read_glb()
-{
+void document::read_glb() {
     if (file_.size() < 12) {
         throw refusal("bad GLB header: the file ends within it");
     }
@@ -276,14 +272,12 @@ void document::read_glb()
     }
 }
 
-std::size_t document::count(const char *array) const
-{
+std::size_t document::count(const char *array) const {
     const auto elements = root.find(array);
     return elements == root.end() ? 0 : elements->size();
 }
 
-bytes document::fetch(const std::string &uri, const std::string &where) const
-{
+bytes document::fetch(const std::string &uri, const std::string &where) const {
     if (starts_with_ignoring_case(uri, "data:")) {
         const std::size_t comma = uri.find(',');
         if (comma == std::string::npos) {
@@ -297,8 +291,8 @@ bytes document::fetch(const std::string &uri, const std::string &where) const
         return bytes(decoded.begin(), decoded.end());
     }
     if (const std::size_t scheme = scheme_length(uri)) {
-        throw refusal(where + ": cannot read '" + uri.substr(0, 120) + "': " + uri.substr(0, scheme) +
-                      " is not supported, only files and data URIs are");
+        throw refusal(where + ": cannot read '" + uri.substr(0, 120) + "': " +
+                      uri.substr(0, scheme) + " is not supported, only files and data URIs are");
     }
     // A URI is percent-encoded; some exporters write plain file names, '%' among them.
     const std::string names[] = {percent_decoded(uri), uri};
@@ -315,8 +309,7 @@ bytes document::fetch(const std::string &uri, const std::string &where) const
     throw refusal(where + ": '" + names[0].substr(0, 200) + "': " + reason);
 }
 
-document::span document::buffer(std::size_t index)
-{
+document::span document::buffer(std::size_t index) {
     const json &description = root["buffers"][index];
     const std::string where = label(root, "buffers", "buffer", index);
     const std::uint64_t length = description["byteLength"];
@@ -333,20 +326,24 @@ document::span document::buffer(std::size_t index)
         data = {file_.data() + binary_offset_, binary_size_, 0};
     } else {
         // The fallback buffer of EXT_meshopt_compression may be left out of the file.
-        throw refusal(where + (description.contains("extensions")
-                                   ? ": has no data without its extension; decompress the file " +
-                                         std::string("first: gltf-transform cp IN OUT")
-                                   : ": has neither a uri nor a GLB binary chunk"));
+        throw refusal(where + (description.contains("extensions") ? ": has no data without its "
+                                                                    "extension; decompress the "
+                                                                    "file " +
+                                                                        std::string("first: "
+                                                                                    "gltf-"
+                                                                                    "transform cp "
+                                                                                    "IN OUT")
+                                                                  : ": has neither a uri nor a GLB "
+                                                                    "binary chunk"));
     }
     if (data.size < length) {
-        throw refusal(where + ": it states " + std::to_string(length) + " bytes, its data has only " +
-                      std::to_string(data.size));
+        throw refusal(where + ": it states " + std::to_string(length) +
+                      " bytes, its data has only " + std::to_string(data.size));
     }
     return data;
 }
 
-document::span document::view(std::size_t index)
-{
+document::span document::view(std::size_t index) {
     const json &description = root["bufferViews"][index]; // its range was checked when loading
     const span data = buffer(description["buffer"]);
     const std::size_t offset = description.value("byteOffset", std::size_t{0});

@@ -25,8 +25,7 @@ enum primitive_mode : unsigned { mode_triangles = 4, mode_strip = 5, mode_fan = 
 // An accessor without data is all zeros, so that nothing in the file bounds its count.
 constexpr std::uint64_t greatest_zero_count = 1u << 24;
 
-unsigned component_size(std::uint64_t type, const std::string &where)
-{
+unsigned component_size(std::uint64_t type, const std::string &where) {
     switch (type) {
     case type_i8:
     case type_u8:
@@ -43,8 +42,7 @@ unsigned component_size(std::uint64_t type, const std::string &where)
 }
 
 // How many components an element has; 0 for matrices, which no attribute that girih keeps uses.
-unsigned component_count(const json &accessor)
-{
+unsigned component_count(const json &accessor) {
     const std::string &type = accessor["type"].get_ref<const std::string &>();
     if (type == "SCALAR") {
         return 1;
@@ -52,9 +50,7 @@ unsigned component_count(const json &accessor)
     return type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 0;
 }
 
-template <typename Integer>
-float read_integer(const std::uint8_t *from, bool normalized)
-{
+template <typename Integer> float read_integer(const std::uint8_t *from, bool normalized) {
     Integer value;
     std::memcpy(&value, from, sizeof value);
     if (!normalized) {
@@ -66,8 +62,7 @@ float read_integer(const std::uint8_t *from, bool normalized)
     return std::fmax(quotient, -1.0f);
 }
 
-float read_component(const std::uint8_t *from, std::uint64_t type, bool normalized)
-{
+float read_component(const std::uint8_t *from, std::uint64_t type, bool normalized) {
     switch (type) {
     case type_i8:
         return read_integer<std::int8_t>(from, normalized);
@@ -90,8 +85,7 @@ float read_component(const std::uint8_t *from, std::uint64_t type, bool normaliz
     }
 }
 
-std::uint32_t read_index(const std::uint8_t *from, std::uint64_t type)
-{
+std::uint32_t read_index(const std::uint8_t *from, std::uint64_t type) {
     if (type == type_u8) {
         return *from;
     }
@@ -112,8 +106,7 @@ struct elements {
 };
 
 elements locate(document &source, std::size_t view_index, std::uint64_t offset, std::uint64_t count,
-                std::size_t element_size, const std::string &where)
-{
+                std::size_t element_size, const std::string &where) {
     const document::span view = source.view(view_index);
     const std::size_t stride = view.stride == 0 ? element_size : view.stride;
     if (stride < element_size) {
@@ -123,7 +116,8 @@ elements locate(document &source, std::size_t view_index, std::uint64_t offset, 
     if (offset > view.size || element_size > view.size - offset ||
         count - 1 > (view.size - offset - element_size) / stride) {
         throw refusal(where + ": its " + std::to_string(count) + " elements reach beyond the " +
-                      std::to_string(view.size) + " bytes of buffer view " + std::to_string(view_index));
+                      std::to_string(view.size) + " bytes of buffer view " +
+                      std::to_string(view_index));
     }
     return {view.data + offset, stride};
 }
@@ -131,9 +125,7 @@ elements locate(document &source, std::size_t view_index, std::uint64_t offset, 
 class geometry_loader {
 public:
     geometry_loader(girih_gltf_model &model, document &source, const warner &warn)
-        : model_(model), source_(source), warn_(warn)
-    {
-    }
+        : model_(model), source_(source), warn_(warn) {}
 
     void load();
 
@@ -142,7 +134,8 @@ private:
     std::vector<std::uint32_t> index_list(std::size_t accessor_index, std::uint32_t vertex_count,
                                           const std::string &where);
     const float *attribute(std::size_t accessor_index, const std::string &name,
-                           std::uint32_t vertex_count, unsigned &components, const std::string &where);
+                           std::uint32_t vertex_count, unsigned &components,
+                           const std::string &where);
     bool load_primitive(const json &description, const std::string &where,
                         girih_gltf_primitive &primitive);
 
@@ -152,8 +145,8 @@ private:
 };
 
 // An accessor's elements as floats, sparse values applied. Decoded once for all its users.
-const std::vector<float> &geometry_loader::values(std::size_t accessor_index, bool always_normalized)
-{
+const std::vector<float> &geometry_loader::values(std::size_t accessor_index,
+                                                  bool always_normalized) {
     const std::pair<std::size_t, bool> key(accessor_index, always_normalized);
     const auto known = model_.values.find(key);
     if (known != model_.values.end()) {
@@ -168,8 +161,8 @@ const std::vector<float> &geometry_loader::values(std::size_t accessor_index, bo
 
     elements base = {};
     if (accessor.contains("bufferView")) {
-        base = locate(source_, accessor["bufferView"], accessor.value("byteOffset", std::uint64_t{0}),
-                      count, element_size, where);
+        base = locate(source_, accessor["bufferView"],
+                      accessor.value("byteOffset", std::uint64_t{0}), count, element_size, where);
     } else if (count > greatest_zero_count) {
         throw refusal(where + ": " + std::to_string(count) + " elements without data");
     }
@@ -182,26 +175,28 @@ const std::vector<float> &geometry_loader::values(std::size_t accessor_index, bo
     }
     if (accessor.contains("sparse")) {
         const json &sparse = accessor["sparse"], &sparse_indices = sparse["indices"];
-        const std::uint64_t sparse_count = sparse["count"], index_type = sparse_indices["componentType"];
+        const std::uint64_t sparse_count = sparse["count"], index_type = sparse_indices["componentT"
+                                                                                        "ype"];
         if (index_type != type_u8 && index_type != type_u16 && index_type != type_u32) {
             throw refusal(where + ": sparse indices must be unsigned integers");
         }
         const elements positions =
-            locate(source_, sparse_indices["bufferView"], sparse_indices.value("byteOffset", std::uint64_t{0}),
-                   sparse_count, component_size(index_type, where), where + ", sparse indices");
-        const elements replacements =
-            locate(source_, sparse["values"]["bufferView"],
-                   sparse["values"].value("byteOffset", std::uint64_t{0}), sparse_count, element_size,
-                   where + ", sparse values");
+            locate(source_, sparse_indices["bufferView"],
+                   sparse_indices.value("byteOffset", std::uint64_t{0}), sparse_count,
+                   component_size(index_type, where), where + ", sparse indices");
+        const elements replacements = locate(source_, sparse["values"]["bufferView"],
+                                             sparse["values"].value("byteOffset", std::uint64_t{0}),
+                                             sparse_count, element_size, where + ", sparse values");
         for (std::size_t i = 0; i < sparse_count; i++) {
-            const std::uint32_t target = read_index(positions.data + i * positions.stride, index_type);
+            const std::uint32_t target =
+                read_index(positions.data + i * positions.stride, index_type);
             if (target >= count) {
                 throw refusal(where + ": sparse index " + std::to_string(target) +
                               ", but there are only " + std::to_string(count) + " elements");
             }
             for (unsigned c = 0; c < components; c++) {
-                result[std::size_t{target} * components + c] =
-                    read_component(replacements.data + i * replacements.stride + c * size, type, normalized);
+                result[std::size_t{target} * components + c] = read_component(
+                    replacements.data + i * replacements.stride + c * size, type, normalized);
             }
         }
     }
@@ -209,11 +204,12 @@ const std::vector<float> &geometry_loader::values(std::size_t accessor_index, bo
 }
 
 std::vector<std::uint32_t> geometry_loader::index_list(std::size_t accessor_index,
-                                                       std::uint32_t vertex_count, const std::string &where)
-{
+                                                       std::uint32_t vertex_count,
+                                                       const std::string &where) {
     const json &accessor = source_.root["accessors"][accessor_index];
     const std::uint64_t type = accessor["componentType"], count = accessor["count"];
-    if (component_count(accessor) != 1 || (type != type_u8 && type != type_u16 && type != type_u32)) {
+    if (component_count(accessor) != 1 ||
+        (type != type_u8 && type != type_u16 && type != type_u32)) {
         throw refusal(where + ": indices must be unsigned integer scalars");
     }
     const unsigned size = component_size(type, where);
@@ -229,9 +225,9 @@ std::vector<std::uint32_t> geometry_loader::index_list(std::size_t accessor_inde
             list.push_back(value < 4294967040.0f ? static_cast<std::uint32_t>(value) : 0xffffffffu);
         }
     } else {
-        const elements from = locate(source_, accessor["bufferView"],
-                                     accessor.value("byteOffset", std::uint64_t{0}), count, size,
-                                     label(source_.root, "accessors", "accessor", accessor_index));
+        const elements from =
+            locate(source_, accessor["bufferView"], accessor.value("byteOffset", std::uint64_t{0}),
+                   count, size, label(source_.root, "accessors", "accessor", accessor_index));
         list.resize(static_cast<std::size_t>(count));
         for (std::size_t i = 0; i < list.size(); i++) {
             list[i] = read_index(from.data + i * from.stride, type);
@@ -240,25 +236,25 @@ std::vector<std::uint32_t> geometry_loader::index_list(std::size_t accessor_inde
     const std::uint32_t restart = size == 4 ? 0xffffffffu : (1u << (8 * size)) - 1;
     for (std::size_t i = 0; i < list.size(); i++) {
         if (list[i] == restart) {
-            throw refusal(where + ": index " + std::to_string(i) + " is the primitive restart value " +
-                          std::to_string(restart) + ", which glTF does not allow");
+            throw refusal(where + ": index " + std::to_string(i) +
+                          " is the primitive restart value " + std::to_string(restart) +
+                          ", which glTF does not allow");
         }
         if (list[i] >= vertex_count) {
-            throw refusal(where + ": index " + std::to_string(i) + " is " + std::to_string(list[i]) +
-                          ", but there are only " + std::to_string(vertex_count) + " vertices");
+            throw refusal(where + ": index " + std::to_string(i) + " is " +
+                          std::to_string(list[i]) + ", but there are only " +
+                          std::to_string(vertex_count) + " vertices");
         }
     }
     return list;
 }
 
-bool has_prefix(const std::string &name, const char *prefix)
-{
+bool has_prefix(const std::string &name, const char *prefix) {
     return name.compare(0, std::strlen(prefix), prefix) == 0;
 }
 
 // TEXCOORD_0 and the like: a prefix and a set number.
-bool is_set(const std::string &name, const char *prefix)
-{
+bool is_set(const std::string &name, const char *prefix) {
     const std::size_t length = std::strlen(prefix);
     return has_prefix(name, prefix) && name.size() > length &&
            name.find_first_not_of("0123456789", length) == std::string::npos;
@@ -267,8 +263,7 @@ bool is_set(const std::string &name, const char *prefix)
 const char *const attribute_rule = "glTF does not allow this type for it";
 
 // Whether glTF 2.0, section 3.7.2.1, or KHR_mesh_quantization allows the type for the attribute.
-bool allowed(const std::string &name, unsigned components, std::uint64_t type, bool normalized)
-{
+bool allowed(const std::string &name, unsigned components, std::uint64_t type, bool normalized) {
     const bool small = type == type_i8 || type == type_u8 || type == type_i16 || type == type_u16;
     const bool is_signed = type == type_i8 || type == type_i16;
     if (type == type_f32) {
@@ -287,42 +282,47 @@ bool allowed(const std::string &name, unsigned components, std::uint64_t type, b
         return components == 2 && (small || type == type_f32);
     }
     if (is_set(name, "COLOR_")) {
-        return (components == 3 || components == 4) && (type == type_u8 || type == type_u16 || type == type_f32);
+        return (components == 3 || components == 4) &&
+               (type == type_u8 || type == type_u16 || type == type_f32);
     }
     return components != 0; // custom ones are free; matrices do not fit gltf.h
 }
 
 const float *geometry_loader::attribute(std::size_t accessor_index, const std::string &name,
                                         std::uint32_t vertex_count, unsigned &components,
-                                        const std::string &where)
-{
+                                        const std::string &where) {
     const json &accessor = source_.root["accessors"][accessor_index];
     const std::uint64_t type = accessor["componentType"], count = accessor["count"];
     components = component_count(accessor);
     component_size(type, where + ", " + name);
     if (!allowed(name, components, type, accessor.value("normalized", false))) {
-        throw refusal(where + ": " + name + " is " + accessor["type"].get<std::string>().substr(0, 20) +
-                      " of component type " + std::to_string(type) + "; " + attribute_rule);
+        throw refusal(where + ": " + name + " is " +
+                      accessor["type"].get<std::string>().substr(0, 20) + " of component type " +
+                      std::to_string(type) + "; " + attribute_rule);
     }
     if (count != vertex_count) {
-        throw refusal(where + ": " + name + " has " + std::to_string(count) + " elements, POSITION has " +
-                      std::to_string(vertex_count));
+        throw refusal(where + ": " + name + " has " + std::to_string(count) +
+                      " elements, POSITION has " + std::to_string(vertex_count));
     }
     // Integer colours are only ever normalised; some exporters forget to say so.
     const std::vector<float> &floats = values(accessor_index, is_set(name, "COLOR_"));
     for (std::size_t i = 0; i < floats.size(); i++) {
         if (!std::isfinite(floats[i])) {
-            throw refusal(where + ": " + name + " of vertex " + std::to_string(i / components) +
-                          " is not finite");
+            const std::string line = where + ": " + name + " of vertex " +
+                                     std::to_string(i / components) + " is not finite";
+            if (name == "POSITION") {
+                throw refusal(line);
+            }
+            warn_(line + ", the attribute is left out");
+            return nullptr;
         }
     }
     return floats.data();
 }
 
-// Triangles of a strip and a fan in the vertex order of glTF 2.0, section 3.7.2.1: the odd ones of a
-// strip swap two corners, which keeps the winding.
-std::vector<std::uint32_t> unrolled(std::vector<std::uint32_t> list, unsigned mode)
-{
+// Triangles of a strip and a fan in the vertex order of glTF 2.0, section 3.7.2.1: the odd ones of
+// a strip swap two corners, which keeps the winding.
+std::vector<std::uint32_t> unrolled(std::vector<std::uint32_t> list, unsigned mode) {
     if (mode == mode_triangles) {
         list.resize(list.size() / 3 * 3);
         return list;
@@ -342,8 +342,7 @@ std::vector<std::uint32_t> unrolled(std::vector<std::uint32_t> list, unsigned mo
 }
 
 bool geometry_loader::load_primitive(const json &description, const std::string &where,
-                                     girih_gltf_primitive &primitive)
-{
+                                     girih_gltf_primitive &primitive) {
     static const char *const other_modes[] = {"points", "lines", "a line loop", "a line strip"};
     const unsigned mode = description.value("mode", unsigned{mode_triangles});
     if (mode < mode_triangles) {
@@ -390,12 +389,13 @@ bool geometry_loader::load_primitive(const json &description, const std::string 
             continue;
         }
         unsigned components = 0;
-        const float *floats = attribute(member.value(), name, primitive.vertex_count, components, where);
+        const float *floats =
+            attribute(member.value(), name, primitive.vertex_count, components, where);
         if (name == "POSITION") {
             primitive.positions = floats;
         } else if (name == "NORMAL") {
             primitive.normals = floats;
-        } else {
+        } else if (floats != nullptr) {
             kept.push_back({model_.keep_name(name), components, floats});
         }
     }
@@ -413,10 +413,12 @@ bool geometry_loader::load_primitive(const json &description, const std::string 
         }
     }
     if (list.size() < 3 || (mode == mode_triangles && list.size() % 3 != 0)) {
-        warn_(where + ": " + std::to_string(list.size()) + " corners are no whole number of triangles");
+        warn_(where + ": " + std::to_string(list.size()) +
+              " corners are no whole number of triangles");
     }
     const std::uint64_t triangle_count = mode == mode_triangles ? list.size() / 3 : list.size();
-    if (triangle_count + model_.contents.triangle_count > std::numeric_limits<std::uint32_t>::max() / 3) {
+    if (triangle_count + model_.contents.triangle_count >
+        std::numeric_limits<std::uint32_t>::max() / 3) {
         throw refusal(where + ": the file has more triangles than 32 bits can index");
     }
     model_.indices.push_back(unrolled(std::move(list), mode));
@@ -427,8 +429,7 @@ bool geometry_loader::load_primitive(const json &description, const std::string 
     return true;
 }
 
-void geometry_loader::load()
-{
+void geometry_loader::load() {
     const std::size_t mesh_count = source_.count("meshes");
     model_.source_primitives.resize(mesh_count);
     for (std::size_t m = 0; m < mesh_count; m++) {
@@ -442,7 +443,8 @@ void geometry_loader::load()
             if (description.contains("targets")) {
                 target_count = std::max(target_count, description["targets"].size());
             }
-            if (load_primitive(description, mesh_label + ", primitive " + std::to_string(p), primitive)) {
+            if (load_primitive(description, mesh_label + ", primitive " + std::to_string(p),
+                               primitive)) {
                 primitives.push_back(primitive);
                 model_.source_primitives[m].push_back(p);
             } else {
@@ -456,7 +458,8 @@ void geometry_loader::load()
         if (mesh.contains("name") && mesh["name"].is_string()) {
             name = mesh["name"];
         }
-        model_.meshes.push_back({model_.keep_name(name), static_cast<std::uint32_t>(kept.size()), kept.data()});
+        model_.meshes.push_back(
+            {model_.keep_name(name), static_cast<std::uint32_t>(kept.size()), kept.data()});
     }
     model_.contents.mesh_count = static_cast<std::uint32_t>(mesh_count);
     model_.contents.meshes = model_.meshes.data();
@@ -466,8 +469,7 @@ void geometry_loader::load()
 
 } // namespace
 
-void load_geometry(girih_gltf_model &model, document &source, const warner &warn)
-{
+void load_geometry(girih_gltf_model &model, document &source, const warner &warn) {
     geometry_loader(model, source, warn).load();
 }
 

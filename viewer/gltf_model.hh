@@ -1,5 +1,5 @@
-// What the parts of the glTF loader share: the parsed document, its checks, and the model behind the
-// C interface of gltf.h. A file is refused by throwing `refusal`, which only gltf.cc catches.
+// What the parts of the glTF loader share: the parsed document, its checks, and the model behind
+// the C interface of gltf.h. A file is refused by throwing `refusal`, which only gltf.cc catches.
 //
 // Who reads what: the container, the JSON and every number that leads into a buffer are read and
 // checked here, because tinygltf takes both on trust; tinygltf then reads the description of the
@@ -38,8 +38,7 @@ std::string one_line(std::string text);
 class warner {
 public:
     warner(void (*function)(void *, const char *), void *user) : function_(function), user_(user) {}
-    void operator()(const std::string &line) const
-    {
+    void operator()(const std::string &line) const {
         if (function_ != nullptr) {
             function_(user_, one_line(line).c_str());
         }
@@ -61,7 +60,8 @@ public:
 
     json root;
 
-    // A view's bytes. Refuses a view that reaches outside its buffer and a buffer that cannot be had.
+    // A view's bytes. Refuses a view that reaches outside its buffer and a buffer that cannot be
+    // had.
     struct span {
         const std::uint8_t *data;
         std::size_t size;
@@ -90,7 +90,8 @@ private:
 // Integers written as 2.0 become integers.
 void check_document(json &root);
 
-// Refuses a required extension that is not understood; warns of optional ones that change the picture.
+// Refuses a required extension that is not understood; warns of optional ones that change the
+// picture.
 void check_extensions(const json &root, const warner &warn);
 
 // "mesh 3 'door'": how messages name an element of a top-level array.
@@ -111,7 +112,8 @@ struct girih_gltf_model {
     std::deque<std::string> names;
     std::deque<std::vector<girih_gltf_attribute>> attributes;
     std::deque<std::vector<girih_gltf_primitive>> primitives;
-    std::vector<std::vector<std::size_t>> source_primitives; // [mesh][primitive]: its index in the file
+    std::vector<std::vector<std::size_t>>
+        source_primitives; // [mesh][primitive]: its index in the file
 
     std::vector<girih_gltf_mesh> meshes;
     std::vector<girih_gltf_placement> placements;
@@ -126,9 +128,12 @@ struct girih_gltf_model {
 
 namespace girih_gltf {
 
-void load_geometry(girih_gltf_model &model, document &source, const warner &warn); // gltf_geometry.cc
-void load_image_files(girih_gltf_model &model, document &source, const warner &warn); // gltf_scene.cc
-void load_scene(girih_gltf_model &model, const document &source, const warner &warn); // gltf_scene.cc
+void load_geometry(girih_gltf_model &model, document &source,
+                   const warner &warn); // gltf_geometry.cc
+void load_image_files(girih_gltf_model &model, document &source,
+                      const warner &warn); // gltf_scene.cc
+void load_scene(girih_gltf_model &model, const document &source,
+                const warner &warn); // gltf_scene.cc
 
 // Throws refusal where the file cannot be written.
 void write_model(const girih_gltf_model &model, const girih_gltf_refined_primitive *const *refined,

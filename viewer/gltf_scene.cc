@@ -22,8 +22,7 @@ using transform = std::array<double, 12>;
 
 constexpr transform identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
-transform product(const transform &a, const transform &b)
-{
+transform product(const transform &a, const transform &b) {
     transform c;
     for (std::size_t row = 0; row < 3; row++) {
         for (std::size_t column = 0; column < 4; column++) {
@@ -37,8 +36,7 @@ transform product(const transform &a, const transform &b)
     return c;
 }
 
-transform local_transform(const tinygltf::Node &node)
-{
+transform local_transform(const tinygltf::Node &node) {
     transform m = identity;
     if (node.matrix.size() == 16) {
         for (std::size_t row = 0; row < 3; row++) {
@@ -49,14 +47,15 @@ transform local_transform(const tinygltf::Node &node)
         return m;
     }
     if (node.rotation.size() == 4) {
-        const double length = std::sqrt(node.rotation[0] * node.rotation[0] + node.rotation[1] * node.rotation[1] +
-                                        node.rotation[2] * node.rotation[2] + node.rotation[3] * node.rotation[3]);
+        const double length =
+            std::sqrt(node.rotation[0] * node.rotation[0] + node.rotation[1] * node.rotation[1] +
+                      node.rotation[2] * node.rotation[2] + node.rotation[3] * node.rotation[3]);
         if (length > 0.0 && std::isfinite(length)) {
             const double x = node.rotation[0] / length, y = node.rotation[1] / length,
                          z = node.rotation[2] / length, w = node.rotation[3] / length;
-            m = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), 0,
-                 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), 0,
-                 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), 0};
+            m = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),     0,
+                 2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),     0,
+                 2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y), 0};
         }
     }
     for (std::size_t row = 0; row < 3; row++) {
@@ -70,14 +69,12 @@ transform local_transform(const tinygltf::Node &node)
     return m;
 }
 
-float clamped(double value, double low, double high)
-{
+float clamped(double value, double low, double high) {
     return static_cast<float>(std::fmin(std::fmax(value, low), high));
 }
 
 // A number from the file as a float, never infinite.
-float finite(double value)
-{
+float finite(double value) {
     return clamped(value, -3.4028234663852886e38, 3.4028234663852886e38);
 }
 
@@ -97,14 +94,14 @@ private:
     const document &source_;
     const warner &warn_;
     tinygltf::Model scene_;
-    std::map<std::size_t, std::int32_t> decoded_; // image of the file: index into model_.images or -1
+    std::map<std::size_t, std::int32_t>
+        decoded_; // image of the file: index into model_.images or -1
 };
 
 scene_loader::scene_loader(girih_gltf_model &model, const document &source, const warner &warn)
-    : model_(model), source_(source), warn_(warn)
-{
-    // Only what is read through tinygltf goes to it: it would open buffers and images itself, refuses
-    // valid accessors, and needs neither.
+    : model_(model), source_(source), warn_(warn) {
+    // Only what is read through tinygltf goes to it: it would open buffers and images itself,
+    // refuses valid accessors, and needs neither.
     json description = {{"asset", {{"version", "2.0"}}}};
     for (const char *part : {"nodes", "materials", "textures", "samplers", "cameras"}) {
         json &elements = description[part] = json::array();
@@ -129,16 +126,16 @@ constexpr std::size_t none = SIZE_MAX;
 
 // Every node's parent. Refuses a node with two, and one that is its own ancestor (glTF 2.0, section
 // 3.5.2).
-std::vector<std::size_t> scene_loader::node_parents() const
-{
+std::vector<std::size_t> scene_loader::node_parents() const {
     std::vector<std::size_t> parents(scene_.nodes.size(), none);
     for (std::size_t i = 0; i < scene_.nodes.size(); i++) {
         for (const int child_index : scene_.nodes[i].children) {
             std::size_t &parent = parents[static_cast<std::size_t>(child_index)];
             if (parent != none) {
-                throw refusal(label(source_.root, "nodes", "node", static_cast<std::size_t>(child_index)) +
-                              ": has two parents, nodes " + std::to_string(parent) + " and " +
-                              std::to_string(i));
+                throw refusal(
+                    label(source_.root, "nodes", "node", static_cast<std::size_t>(child_index)) +
+                    ": has two parents, nodes " + std::to_string(parent) + " and " +
+                    std::to_string(i));
             }
             parent = i;
         }
@@ -152,36 +149,37 @@ std::vector<std::size_t> scene_loader::node_parents() const
             node = parents[node];
         }
         if (node != none && walk[node] == i) {
-            throw refusal(label(source_.root, "nodes", "node", node) + ": is its own ancestor (node loop)");
+            throw refusal(label(source_.root, "nodes", "node", node) + ": is its own ancestor "
+                                                                       "(node loop)");
         }
     }
     return parents;
 }
 
-void scene_loader::place(std::size_t node_index, const transform &world)
-{
+void scene_loader::place(std::size_t node_index, const transform &world) {
     const tinygltf::Node &node = scene_.nodes[node_index];
     float values[12];
     for (std::size_t i = 0; i < 12; i++) {
         values[i] = finite(world[i]);
         if (!std::isfinite(world[i]) || std::fabs(world[i]) > 3.4028234663852886e38) {
-            throw refusal(label(source_.root, "nodes", "node", node_index) + ": its transform is not finite");
+            throw refusal(label(source_.root, "nodes", "node", node_index) + ": its transform is "
+                                                                             "not finite");
         }
     }
     if (node.mesh >= 0) {
         // A skinned mesh stands in its bind pose where its own node does.
-        girih_gltf_placement placement = {static_cast<std::uint32_t>(node.mesh),
-                                          static_cast<std::uint32_t>(node_index),
-                                          {}};
+        girih_gltf_placement placement = {
+            static_cast<std::uint32_t>(node.mesh), static_cast<std::uint32_t>(node_index), {}};
         std::copy(values, values + 12, placement.transform);
         model_.placements.push_back(placement);
     }
     if (node.camera >= 0) {
         const tinygltf::Camera &from = scene_.cameras[static_cast<std::size_t>(node.camera)];
         girih_gltf_camera camera = {};
-        camera.name = model_.keep_name(!from.name.empty()   ? from.name
-                                       : !node.name.empty() ? node.name
-                                                            : "camera " + std::to_string(node.camera));
+        camera.name =
+            model_.keep_name(!from.name.empty()   ? from.name
+                             : !node.name.empty() ? node.name
+                                                  : "camera " + std::to_string(node.camera));
         camera.perspective = from.type == "perspective";
         if (camera.perspective) {
             camera.vertical_view_angle = finite(from.perspective.yfov);
@@ -199,15 +197,15 @@ void scene_loader::place(std::size_t node_index, const transform &world)
     }
 }
 
-void scene_loader::load_nodes()
-{
+void scene_loader::load_nodes() {
     const std::vector<std::size_t> parents = node_parents();
     std::vector<std::size_t> roots;
     if (source_.count("scenes") > 0) {
         // Without a default scene the first one is shown, as other viewers do.
         const std::size_t scene_index = source_.root.value("scene", std::size_t{0});
         std::vector<bool> mentioned(parents.size(), false);
-        for (const json &element : source_.root["scenes"][scene_index].value("nodes", json::array())) {
+        for (const json &element :
+             source_.root["scenes"][scene_index].value("nodes", json::array())) {
             const std::size_t root = element;
             if (parents[root] != none || mentioned[root]) {
                 throw refusal("scene " + std::to_string(scene_index) + ": " +
@@ -224,7 +222,8 @@ void scene_loader::load_nodes()
             }
         }
     }
-    std::vector<std::pair<std::size_t, transform>> open; // nodes to visit, below their parents' transforms
+    std::vector<std::pair<std::size_t, transform>>
+        open; // nodes to visit, below their parents' transforms
     for (auto root = roots.rbegin(); root != roots.rend(); ++root) {
         open.emplace_back(*root, identity);
     }
@@ -238,18 +237,19 @@ void scene_loader::load_nodes()
             open.emplace_back(static_cast<std::size_t>(*child), world);
         }
     }
-    const bool any_mesh_placed = std::any_of(scene_.nodes.begin(), scene_.nodes.end(),
-                                             [](const tinygltf::Node &node) { return node.mesh >= 0; });
+    const bool any_mesh_placed =
+        std::any_of(scene_.nodes.begin(), scene_.nodes.end(),
+                    [](const tinygltf::Node &node) { return node.mesh >= 0; });
     if (!any_mesh_placed && !model_.meshes.empty()) {
         warn_("no node places a mesh: every mesh is drawn once, untransformed");
         for (std::uint32_t m = 0; m < model_.contents.mesh_count; m++) {
-            model_.placements.push_back({m, GIRIH_GLTF_NO_NODE, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}});
+            model_.placements.push_back(
+                {m, GIRIH_GLTF_NO_NODE, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}});
         }
     }
 }
 
-std::int32_t scene_loader::decoded_image(std::size_t image_index)
-{
+std::int32_t scene_loader::decoded_image(std::size_t image_index) {
     const auto known = decoded_.find(image_index);
     if (known != decoded_.end()) {
         return known->second;
@@ -273,7 +273,8 @@ std::int32_t scene_loader::decoded_image(std::size_t image_index)
         }
         if (pixels != nullptr) {
             model_.pixels.emplace_back(pixels, stbi_image_free);
-            model_.images.push_back({static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), pixels});
+            model_.images.push_back(
+                {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), pixels});
             result = static_cast<std::int32_t>(model_.images.size() - 1);
             return result;
         }
@@ -285,21 +286,21 @@ std::int32_t scene_loader::decoded_image(std::size_t image_index)
     return result;
 }
 
-girih_gltf_wrap wrap_mode(int value)
-{
+girih_gltf_wrap wrap_mode(int value) {
     return value == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? GIRIH_GLTF_WRAP_CLAMP
            : value == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? GIRIH_GLTF_WRAP_MIRROR
                                                             : GIRIH_GLTF_WRAP_REPEAT;
 }
 
-void scene_loader::load_materials()
-{
+void scene_loader::load_materials() {
     for (std::size_t i = 0; i < scene_.materials.size(); i++) {
         const tinygltf::Material &from = scene_.materials[i];
         girih_gltf_material material = {};
-        material.name = model_.keep_name(from.name.empty() ? "material " + std::to_string(i) : from.name);
+        material.name =
+            model_.keep_name(from.name.empty() ? "material " + std::to_string(i) : from.name);
         for (std::size_t c = 0; c < 4; c++) {
-            material.base_color[c] = clamped(from.pbrMetallicRoughness.baseColorFactor[c], 0.0, 1.0);
+            material.base_color[c] =
+                clamped(from.pbrMetallicRoughness.baseColorFactor[c], 0.0, 1.0);
         }
         for (std::size_t c = 0; c < 3; c++) {
             material.emissive[c] = clamped(from.emissiveFactor[c], 0.0, 1.0);
@@ -325,7 +326,8 @@ void scene_loader::load_materials()
                       "': its texture has no PNG or JPEG image, it is drawn without");
             }
             if (texture.sampler >= 0) {
-                const tinygltf::Sampler &sampler = scene_.samplers[static_cast<std::size_t>(texture.sampler)];
+                const tinygltf::Sampler &sampler =
+                    scene_.samplers[static_cast<std::size_t>(texture.sampler)];
                 material.wrap_s = wrap_mode(sampler.wrapS);
                 material.wrap_t = wrap_mode(sampler.wrapT);
                 material.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
@@ -335,10 +337,12 @@ void scene_loader::load_materials()
                 const tinygltf::Value &change = transformed->second;
                 for (std::size_t c = 0; c < 2; c++) {
                     if (change.Has("offset")) {
-                        material.texcoord_offset[c] = finite(change.Get("offset").Get(static_cast<int>(c)).GetNumberAsDouble());
+                        material.texcoord_offset[c] = finite(
+                            change.Get("offset").Get(static_cast<int>(c)).GetNumberAsDouble());
                     }
                     if (change.Has("scale")) {
-                        material.texcoord_scale[c] = finite(change.Get("scale").Get(static_cast<int>(c)).GetNumberAsDouble());
+                        material.texcoord_scale[c] = finite(
+                            change.Get("scale").Get(static_cast<int>(c)).GetNumberAsDouble());
                     }
                 }
                 if (change.Has("rotation")) {
@@ -354,8 +358,7 @@ void scene_loader::load_materials()
     }
 }
 
-void scene_loader::load()
-{
+void scene_loader::load() {
     load_nodes();
     load_materials();
     girih_gltf_contents &contents = model_.contents;
@@ -371,8 +374,7 @@ void scene_loader::load()
 
 } // namespace
 
-void load_image_files(girih_gltf_model &model, document &source, const warner &warn)
-{
+void load_image_files(girih_gltf_model &model, document &source, const warner &warn) {
     for (std::size_t i = 0; i < source.count("images"); i++) {
         const json &image = source.root["images"][i];
         const std::string where = label(source.root, "images", "image", i);
@@ -393,8 +395,7 @@ void load_image_files(girih_gltf_model &model, document &source, const warner &w
     }
 }
 
-void load_scene(girih_gltf_model &model, const document &source, const warner &warn)
-{
+void load_scene(girih_gltf_model &model, const document &source, const warner &warn) {
     scene_loader(model, source, warn).load();
 }
 

@@ -1,6 +1,6 @@
-// Writes a model with new geometry as a GLB (glTF 2.0, section 4). The document is the source's own,
-// so that materials, nodes, names, cameras and extras stay as they are; only what describes bytes is
-// made anew. The binary chunk is streamed from the caller's arrays in a second pass.
+// Writes a model with new geometry as a GLB (glTF 2.0, section 4). The document is the source's
+// own, so that materials, nodes, names, cameras and extras stay as they are; only what describes
+// bytes is made anew. The binary chunk is streamed from the caller's arrays in a second pass.
 #include "gltf_model.hh"
 #include "output_file.h"
 
@@ -34,19 +34,16 @@ struct piece {
     std::size_t count; // floats, normals (of 3 floats), tangents (of 4), indices or bytes
 };
 
-std::uint64_t piece_size(const piece &part)
-{
+std::uint64_t piece_size(const piece &part) {
     static const std::uint64_t sizes[] = {4, 12, 16, 2, 4, 1};
     return sizes[part.type] * part.count;
 }
 
-std::uint64_t padded(std::uint64_t size)
-{
+std::uint64_t padded(std::uint64_t size) {
     return (size + 3) / 4 * 4;
 }
 
-const char *mime_type(const bytes &file)
-{
+const char *mime_type(const bytes &file) {
     if (file.size() > 8 && std::memcmp(file.data(), "\x89PNG\r\n\x1a\n", 8) == 0) {
         return "image/png";
     }
@@ -64,30 +61,32 @@ const char *mime_type(const bytes &file)
 }
 
 // Whether a member anywhere below names bytes by number, which are other bytes in the new file.
-bool refers_to_bytes(const json &value)
-{
+bool refers_to_bytes(const json &value) {
     if (value.is_object()) {
         for (const auto &member : value.items()) {
             std::string name = member.key();
-            std::transform(name.begin(), name.end(), name.begin(),
-                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-            if (name.find("bufferview") != std::string::npos || name.find("accessor") != std::string::npos) {
+            std::transform(name.begin(), name.end(), name.begin(), [](char c) {
+                return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+            });
+            if (name.find("bufferview") != std::string::npos ||
+                name.find("accessor") != std::string::npos) {
                 return true;
             }
         }
     }
     return value.is_structured() &&
-           std::any_of(value.begin(), value.end(), [](const json &element) { return refers_to_bytes(element); });
+           std::any_of(value.begin(), value.end(),
+                       [](const json &element) { return refers_to_bytes(element); });
 }
 
-void drop_extensions(json &owner)
-{
+void drop_extensions(json &owner) {
     const auto extensions = owner.find("extensions");
     if (extensions == owner.end() || !extensions->is_object()) {
         return;
     }
     for (auto extension = extensions->begin(); extension != extensions->end();) {
-        const bool drop = dropped_extensions.count(extension.key()) != 0 || refers_to_bytes(*extension);
+        const bool drop =
+            dropped_extensions.count(extension.key()) != 0 || refers_to_bytes(*extension);
         extension = drop ? extensions->erase(extension) : std::next(extension);
     }
     if (extensions->empty()) {
@@ -95,8 +94,7 @@ void drop_extensions(json &owner)
     }
 }
 
-void drop_all_extensions(json &value)
-{
+void drop_all_extensions(json &value) {
     if (value.is_object()) {
         drop_extensions(value);
     }
@@ -109,8 +107,7 @@ void drop_all_extensions(json &value)
     }
 }
 
-void collect_extensions(const json &value, std::set<std::string> &names)
-{
+void collect_extensions(const json &value, std::set<std::string> &names) {
     if (value.is_object()) {
         const auto extensions = value.find("extensions");
         if (extensions != value.end() && extensions->is_object()) {
@@ -131,9 +128,7 @@ void collect_extensions(const json &value, std::set<std::string> &names)
 class writer {
 public:
     writer(const girih_gltf_model &model, const girih_gltf_refined_primitive *const *refined)
-        : model_(model), refined_(refined), root_(model.root)
-    {
-    }
+        : model_(model), refined_(refined), root_(model.root) {}
 
     void write(const char *path);
 
@@ -155,8 +150,7 @@ private:
     std::uint64_t binary_size_ = 0;
 };
 
-std::size_t writer::add_view(const piece &part, unsigned target)
-{
+std::size_t writer::add_view(const piece &part, unsigned target) {
     const std::uint64_t size = piece_size(part);
     json view = {{"buffer", 0}, {"byteOffset", binary_size_}, {"byteLength", size}};
     if (target != 0) {
@@ -168,14 +162,13 @@ std::size_t writer::add_view(const piece &part, unsigned target)
     return views_.size() - 1;
 }
 
-std::size_t writer::add_accessor(json accessor)
-{
+std::size_t writer::add_accessor(json accessor) {
     accessors_.push_back(std::move(accessor));
     return accessors_.size() - 1;
 }
 
-std::size_t writer::add_floats(const float *values, std::uint32_t vertex_count, unsigned components)
-{
+std::size_t writer::add_floats(const float *values, std::uint32_t vertex_count,
+                               unsigned components) {
     static const char *const types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
     const std::size_t view =
         add_view({piece::floats, values, std::size_t{vertex_count} * components}, target_vertices);
@@ -185,8 +178,8 @@ std::size_t writer::add_floats(const float *values, std::uint32_t vertex_count, 
                          {"type", types[components - 1]}});
 }
 
-std::size_t writer::add_directions(piece::kind type, const float *values, std::uint32_t vertex_count)
-{
+std::size_t writer::add_directions(piece::kind type, const float *values,
+                                   std::uint32_t vertex_count) {
     const std::size_t view = add_view({type, values, vertex_count}, target_vertices);
     return add_accessor({{"bufferView", view},
                          {"componentType", type_f32},
@@ -194,14 +187,13 @@ std::size_t writer::add_directions(piece::kind type, const float *values, std::u
                          {"type", type == piece::normals ? "VEC3" : "VEC4"}});
 }
 
-json writer::primitive(std::size_t mesh_index, std::size_t primitive_index)
-{
+json writer::primitive(std::size_t mesh_index, std::size_t primitive_index) {
     const girih_gltf_primitive &source = model_.meshes[mesh_index].primitives[primitive_index];
     const girih_gltf_refined_primitive &refined = refined_[mesh_index][primitive_index];
-    const std::string where = std::string("mesh '") + model_.meshes[mesh_index].name + "', primitive " +
-                              std::to_string(primitive_index);
-    json description =
-        root_["meshes"][mesh_index]["primitives"][model_.source_primitives[mesh_index][primitive_index]];
+    const std::string where = std::string("mesh '") + model_.meshes[mesh_index].name +
+                              "', primitive " + std::to_string(primitive_index);
+    json description = root_["meshes"][mesh_index]["primitives"]
+                            [model_.source_primitives[mesh_index][primitive_index]];
     for (const char *member : {"mode", "indices", "targets"}) {
         description.erase(member);
     }
@@ -226,7 +218,8 @@ json writer::primitive(std::size_t mesh_index, std::size_t primitive_index)
     accessors_[positions]["max"] = json(high);
     attributes["POSITION"] = positions;
     if (refined.normals != nullptr) {
-        attributes["NORMAL"] = add_directions(piece::normals, refined.normals, refined.vertex_count);
+        attributes["NORMAL"] =
+            add_directions(piece::normals, refined.normals, refined.vertex_count);
     }
     for (std::uint32_t a = 0; a < source.attribute_count; a++) {
         const girih_gltf_attribute &attribute = source.attributes[a];
@@ -240,7 +233,8 @@ json writer::primitive(std::size_t mesh_index, std::size_t primitive_index)
     }
     const bool is_short = refined.vertex_count <= greatest_short_vertex_count;
     const std::size_t view = add_view(
-        {is_short ? piece::short_indices : piece::indices, refined.indices, refined.index_count}, target_indices);
+        {is_short ? piece::short_indices : piece::indices, refined.indices, refined.index_count},
+        target_indices);
     description["indices"] = add_accessor({{"bufferView", view},
                                            {"componentType", is_short ? type_u16 : type_u32},
                                            {"count", refined.index_count},
@@ -249,8 +243,7 @@ json writer::primitive(std::size_t mesh_index, std::size_t primitive_index)
 }
 
 // glTF wants at least one primitive in a mesh and one triangle in a primitive: what has none goes.
-void writer::describe_meshes()
-{
+void writer::describe_meshes() {
     json meshes = json::array();
     std::vector<json> new_index(model_.meshes.size());
     for (std::size_t m = 0; m < model_.meshes.size(); m++) {
@@ -289,8 +282,7 @@ void writer::describe_meshes()
     root_["meshes"] = std::move(meshes);
 }
 
-void writer::describe_images()
-{
+void writer::describe_images() {
     for (std::size_t i = 0; i < model_.image_files.size(); i++) {
         const bytes &file = model_.image_files[i];
         json &image = root_["images"][i];
@@ -308,8 +300,7 @@ void writer::describe_images()
     }
 }
 
-void writer::describe_rest()
-{
+void writer::describe_rest() {
     root_["asset"]["generator"] = "girih";
     for (const char *part : {"animations", "skins"}) {
         root_.erase(part);
@@ -331,23 +322,23 @@ void writer::describe_rest()
     root_["extensionsUsed"] = std::vector<std::string>(occurring.begin(), occurring.end());
     root_["extensionsRequired"] = std::move(required);
     for (auto part = root_.begin(); part != root_.end();) {
-        part = part->is_array() && part->empty() ? root_.erase(part) : std::next(part); // glTF wants none
+        part = part->is_array() && part->empty() ? root_.erase(part)
+                                                 : std::next(part); // glTF wants none
     }
 }
 
-void append_u32(std::string &to, std::uint64_t value)
-{
+void append_u32(std::string &to, std::uint64_t value) {
     for (unsigned i = 0; i < 4; i++) {
         to.push_back(static_cast<char>(value >> (8 * i) & 0xff));
     }
 }
 
-// glTF 2.0, section 3.7.2.1, wants normals and tangents of length 1 and a handedness of 1 or -1. What
-// is near enough stays as it is, bit for bit; what has no direction gets one.
-void unit_direction(const float *from, float *to, unsigned components)
-{
+// glTF 2.0, section 3.7.2.1, wants normals and tangents of length 1 and a handedness of 1 or -1.
+// What is near enough stays as it is, bit for bit; what has no direction gets one.
+void unit_direction(const float *from, float *to, unsigned components) {
     constexpr double tolerance = 1e-4; // of the squared length; far below any validator's
-    const double square = double{from[0]} * from[0] + double{from[1]} * from[1] + double{from[2]} * from[2];
+    const double square =
+        double{from[0]} * from[0] + double{from[1]} * from[1] + double{from[2]} * from[2];
     const bool usable = std::isfinite(square) && square > 0.0;
     const double length = std::fabs(square - 1.0) <= tolerance ? 1.0 : std::sqrt(square);
     for (unsigned c = 0; c < 3; c++) {
@@ -358,8 +349,7 @@ void unit_direction(const float *from, float *to, unsigned components)
     }
 }
 
-void stream_piece(const piece &part, std::FILE *stream)
-{
+void stream_piece(const piece &part, std::FILE *stream) {
     constexpr std::size_t batch = 4096;
     if (part.type == piece::normals || part.type == piece::tangents) {
         const unsigned components = part.type == piece::normals ? 3 : 4;
@@ -368,7 +358,8 @@ void stream_piece(const piece &part, std::FILE *stream)
         for (std::size_t first = 0; first < part.count; first += batch) {
             const std::size_t count = std::min(batch, part.count - first);
             for (std::size_t i = 0; i < count; i++) {
-                unit_direction(from + components * (first + i), converted + components * i, components);
+                unit_direction(from + components * (first + i), converted + components * i,
+                               components);
             }
             std::fwrite(converted, sizeof(float) * components, count, stream);
         }
@@ -389,8 +380,7 @@ void stream_piece(const piece &part, std::FILE *stream)
     std::fwrite("\0\0\0", 1, static_cast<std::size_t>(padded(size) - size), stream);
 }
 
-void writer::write(const char *path)
-{
+void writer::write(const char *path) {
     drop_all_extensions(root_);
     describe_meshes();
     describe_images();
@@ -436,8 +426,7 @@ void writer::write(const char *path)
 } // namespace
 
 void write_model(const girih_gltf_model &model, const girih_gltf_refined_primitive *const *refined,
-                 const char *path)
-{
+                 const char *path) {
     writer(model, refined).write(path);
 }
 

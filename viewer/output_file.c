@@ -8,15 +8,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static void release(girih_output_file *file)
-{
+static void release(girih_output_file *file) {
     free(file->target);
     free(file->temporary);
     *file = (girih_output_file){0};
 }
 
-bool girih_output_open(girih_output_file *file, const char *path, char *message, size_t message_size)
-{
+bool girih_output_open(girih_output_file *file, const char *path, char *message,
+                       size_t message_size) {
     *file = (girih_output_file){0};
     struct stat status;
     const bool exists = stat(path, &status) == 0;
@@ -28,7 +27,8 @@ bool girih_output_open(girih_output_file *file, const char *path, char *message,
     } else if (file->target != NULL) {
         const size_t size = strlen(file->target) + 32;
         file->temporary = malloc(size);
-        for (unsigned attempt = 0; file->temporary != NULL && descriptor < 0 && attempt < 100; attempt++) {
+        for (unsigned attempt = 0; file->temporary != NULL && descriptor < 0 && attempt < 100;
+             attempt++) {
             snprintf(file->temporary, size, "%s.%ld.%u", file->target, (long)getpid(), attempt);
             descriptor = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
             if (descriptor < 0 && errno != EEXIST) {
@@ -51,8 +51,7 @@ bool girih_output_open(girih_output_file *file, const char *path, char *message,
     return false;
 }
 
-bool girih_output_commit(girih_output_file *file, char *message, size_t message_size)
-{
+bool girih_output_commit(girih_output_file *file, char *message, size_t message_size) {
     errno = 0;
     bool whole = !ferror(file->stream);
     whole = fclose(file->stream) == 0 && whole;
@@ -70,8 +69,7 @@ bool girih_output_commit(girih_output_file *file, char *message, size_t message_
     return whole;
 }
 
-void girih_output_discard(girih_output_file *file)
-{
+void girih_output_discard(girih_output_file *file) {
     fclose(file->stream);
     if (file->temporary != NULL) {
         unlink(file->temporary);

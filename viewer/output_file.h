@@ -11,15 +11,16 @@ extern "C" {
 #endif
 
 typedef struct girih_output_file {
-    FILE *stream;        // to write to
-    char *target;        // the file that is meant, symbolic links resolved
-    char *temporary;     // beside the target; NULL where the target is written in place
+    FILE *stream;    // to write to
+    char *target;    // the file that is meant, symbolic links resolved
+    char *temporary; // beside the target; NULL where the target is written in place
 } girih_output_file;
 
 // Opens a file beside path, with a name of its own, for writing. A path that is a device or a FIFO
 // (/dev/null, /dev/stdout) is opened itself. On failure returns false and writes one line into
 // message.
-bool girih_output_open(girih_output_file *file, const char *path, char *message, size_t message_size);
+bool girih_output_open(girih_output_file *file, const char *path, char *message,
+                       size_t message_size);
 
 // Closes the file and moves it to its path. On failure, which includes any earlier failed write to
 // the stream, removes it, returns false and writes one line into message. Either way file is done.

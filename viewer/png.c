@@ -15,23 +15,20 @@ typedef struct failure {
     char text[128];
 } failure;
 
-static void fail(png_structp png, png_const_charp text)
-{
+static void fail(png_structp png, png_const_charp text) {
     failure *state = png_get_error_ptr(png);
     snprintf(state->text, sizeof state->text, "%s", text);
     longjmp(state->jump, 1);
 }
 
-static void ignore_warning(png_structp png, png_const_charp text)
-{
+static void ignore_warning(png_structp png, png_const_charp text) {
     (void)png;
     (void)text;
 }
 
 // Apart from girih_png_write, so that no variable of that one changes between setjmp and longjmp.
 static bool encode(png_structp png, png_infop info, failure *state, FILE *stream, uint32_t width,
-                   uint32_t height, const uint8_t *rgba)
-{
+                   uint32_t height, const uint8_t *rgba) {
     if (setjmp(state->jump) != 0) {
         return false;
     }
@@ -49,8 +46,7 @@ static bool encode(png_structp png, png_infop info, failure *state, FILE *stream
 }
 
 bool girih_png_write(const char *path, uint32_t width, uint32_t height, const uint8_t *rgba,
-                     char *message, size_t message_size)
-{
+                     char *message, size_t message_size) {
     girih_output_file file;
     if (!girih_output_open(&file, path, message, message_size)) {
         return false;
@@ -58,7 +54,8 @@ bool girih_png_write(const char *path, uint32_t width, uint32_t height, const ui
     failure state = {.text = "out of memory"};
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &state, fail, ignore_warning);
     png_infop info = png != NULL ? png_create_info_struct(png) : NULL;
-    const bool encoded = info != NULL && encode(png, info, &state, file.stream, width, height, rgba);
+    const bool encoded =
+        info != NULL && encode(png, info, &state, file.stream, width, height, rgba);
     png_destroy_write_struct(&png, &info);
     if (!encoded) {
         girih_output_discard(&file);

@@ -1,0 +1,247 @@
+// Stage 4 on the CPU: where each group's output begins, whether all of it fits, and the arguments of the
+// draws. The only stage that clamps. Twin of glsl/dispatch.comp; sums that the shader carries in two
+// words are 64 bits wide here.
+#include <stdbool.h>
+
+#include "scene.h"
+
+#define DRAW_WORDS 5
+
+typedef struct span {
+    uint32_t first, end;
+} span;
+
+typedef struct sums {
+    uint64_t vertices;
+    uint64_t triangles;
+    uint32_t draws;
+    uint32_t chunks;
+    uint32_t groups;
+} sums;
+
+// Items of a group as it will be drawn. After an overflow the first group of a material, base pattern
+// [0,0,0], takes all of its triangles.
+static span group_items(const girih_arrays *arrays, uint32_t group, bool level0) {
+    if (!level0) {
+        return (span){girih_group_word(arrays, group, GIRIH_GROUP_FIRST),
+                      girih_group_word(arrays, group, GIRIH_GROUP_END)};
+    }
+    if (group % arrays->frame.range_count != 0) {
+        return (span){0, 0};
+    }
+    span all = {UINT32_MAX, 0};
+    for (uint32_t n = 0; n < arrays->frame.range_count; ++n) {
+        const uint32_t first = girih_group_word(arrays, group + n, GIRIH_GROUP_FIRST);
+        const uint32_t end = girih_group_word(arrays, group + n, GIRIH_GROUP_END);
+        if (first < end) {
+            all.first = first < all.first ? first : all.first;
+            all.end = end > all.end ? end : all.end;
+        }
+    }
+    return all.end == 0 ? (span){0, 0} : all;
+}
+
+// Adds what one group adds.
+static void add_group(const girih_arrays *arrays, uint32_t group, span items, sums *total) {
+    const uint32_t count = items.end - items.first;
+    if (count == 0) {
+        return;
+    }
+    const uint32_t rank = girih_range_rank(arrays, group % arrays->frame.range_count);
+    uint32_t vertices = girih_pattern(arrays, rank, GIRIH_PATTERN_VERTICES);
+    if (arrays->frame.output_mode == GIRIH_OUTPUT_WELDED) {
+        for (uint32_t n = 0; n < 3; ++n) {
+            vertices -= girih_pattern(arrays, rank, GIRIH_PATTERN_SEGMENTS + n);
+        }
+    }
+    const uint32_t replicas = girih_pattern(arrays, rank, GIRIH_PATTERN_REPLICAS);
+    total->vertices += (uint64_t)count * vertices;
+    total->triangles += (uint64_t)count * girih_pattern(arrays, rank, GIRIH_PATTERN_TRIANGLES);
+    total->draws += (count + replicas - 1) / replicas;
+    total->chunks += count * (girih_pattern(arrays, rank, GIRIH_PATTERN_CHUNKS) - 1);
+    total->groups += 1;
+}
+
+static sums sum_groups(const girih_arrays *arrays, bool level0) {
+    sums total = {0};
+    for (uint32_t group = 0; group < arrays->frame.group_count; ++group) {
+        add_group(arrays, group, group_items(arrays, group, level0), &total);
+    }
+    return total;
+}
+
+static void write_instanced_draw(girih_arrays *arrays, uint32_t group, uint32_t rank, span items) {
+    const bool mirror =
+        group % arrays->frame.range_count != girih_pattern(arrays, rank, GIRIH_PATTERN_RANGE);
+    uint32_t *draw = arrays->words[GIRIH_BIND_DRAWS] + (size_t)group * DRAW_WORDS;
+    draw[0] = 3 * girih_pattern(arrays, rank, GIRIH_PATTERN_TRIANGLES);
+    draw[1] = items.end - items.first;
+    draw[2] = girih_pattern(arrays, rank,
+                            mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
+    draw[3] = girih_pattern(arrays, rank, GIRIH_PATTERN_FIRST_VERTEX);
+    draw[4] = items.first;
+}
+
+// Where each group's output begins. The groups' bounds stay as they are: level 0 reads those of all of
+// a material's groups.
+static void write_groups(girih_arrays *arrays, bool level0, uint64_t border) {
+    const girih_frame_block *frame = &arrays->frame;
+    uint32_t *status = arrays->words[GIRIH_BIND_STATUS];
+    sums before = {0};
+    for (uint32_t group = 0; group < frame->group_count; ++group) {
+        const span items = group_items(arrays, group, level0);
+        uint32_t *words =
+            arrays->words[GIRIH_BIND_GROUPS] + (size_t)group * GIRIH_GROUP_WORDS;
+        words[GIRIH_GROUP_FIRST_VERTEX] = (uint32_t)(before.vertices + border);
+        words[GIRIH_GROUP_FIRST_TRIANGLE] = (uint32_t)before.triangles;
+        words[GIRIH_GROUP_FIRST_DRAW] = before.draws;
+        words[GIRIH_GROUP_FIRST_CHUNK] = before.chunks;
+        const uint32_t range = group % frame->range_count;
+        const uint32_t rank = girih_range_rank(arrays, range);
+        if (items.end != items.first) {
+            status[GIRIH_STATUS_WORDS + rank] = 1;
+        }
+        if (range == 0) {
+            status[GIRIH_STATUS_WORDS + frame->pattern_count + group / frame->range_count] =
+                (uint32_t)before.triangles;
+        }
+        if (frame->output_mode == GIRIH_OUTPUT_INSTANCED && frame->draws_per_material != 0) {
+            write_instanced_draw(arrays, group, rank, items);
+        }
+        add_group(arrays, group, items, &before);
+    }
+}
+
+// After an overflow all of a material's triangles stand in its first group.
+static void merge_groups(girih_arrays *arrays) {
+    const girih_frame_block *frame = &arrays->frame;
+    for (uint32_t material = 0; material < frame->material_count; ++material) {
+        const uint32_t group = material * frame->range_count;
+        const span items = group_items(arrays, group, true);
+        uint32_t *words =
+            arrays->words[GIRIH_BIND_GROUPS] + (size_t)group * GIRIH_GROUP_WORDS;
+        for (uint32_t n = 0; n < frame->range_count; ++n, words += GIRIH_GROUP_WORDS) {
+            words[GIRIH_GROUP_FIRST] = n == 0 ? items.first : items.end;
+            words[GIRIH_GROUP_END] = items.end;
+        }
+    }
+}
+
+static void write_status(girih_arrays *arrays, const sums *total, uint64_t vertices) {
+    const girih_frame_block *frame = &arrays->frame;
+    uint32_t *status = arrays->words[GIRIH_BIND_STATUS];
+    uint32_t *words =
+        arrays->words[GIRIH_BIND_GROUPS] + (size_t)frame->group_count * GIRIH_GROUP_WORDS;
+    words[GIRIH_GROUP_FIRST] = status[GIRIH_STATUS_ITEMS];
+    words[GIRIH_GROUP_END] = status[GIRIH_STATUS_ITEMS];
+    words[GIRIH_GROUP_FIRST_VERTEX] = (uint32_t)vertices;
+    words[GIRIH_GROUP_FIRST_TRIANGLE] = (uint32_t)total->triangles;
+    words[GIRIH_GROUP_FIRST_DRAW] = total->draws;
+    words[GIRIH_GROUP_FIRST_CHUNK] = total->chunks;
+    status[GIRIH_STATUS_VERTICES] = (uint32_t)vertices;
+    status[GIRIH_STATUS_TRIANGLES] = (uint32_t)total->triangles;
+    status[GIRIH_STATUS_GROUPS] = total->groups;
+    status[GIRIH_STATUS_CHUNKS] = total->chunks;
+    status[GIRIH_STATUS_WORDS + frame->pattern_count + frame->material_count] =
+        (uint32_t)total->triangles;
+    uint32_t patterns = 0;
+    for (uint32_t rank = 0; rank < frame->pattern_count; ++rank) {
+        patterns += status[GIRIH_STATUS_WORDS + rank];
+    }
+    status[GIRIH_STATUS_PATTERNS] = patterns;
+    // Patches are written one item an invocation; vertices and triangles one chunk an invocation.
+    uint32_t invocations = status[GIRIH_STATUS_ITEMS];
+    if (frame->output_mode != GIRIH_OUTPUT_INSTANCED) {
+        invocations += total->chunks;
+    }
+    const uint32_t workgroups = (invocations + GIRIH_WORKGROUP - 1) / GIRIH_WORKGROUP;
+    const uint32_t rows = (workgroups + 65534) / 65535;
+    status[GIRIH_STATUS_EVALUATE] = rows > 1 ? 65535 : workgroups;
+    status[GIRIH_STATUS_EVALUATE + 1] = rows;
+    status[GIRIH_STATUS_EVALUATE + 2] = 1;
+}
+
+// The arguments of the baked draw `slot`. A group of C triangles whose pattern's indices are replicated
+// R times is drawn by ceil(C / R) draws, each with its own vertex offset; what is left of a material's
+// draws is empty.
+static void write_baked_draw(girih_arrays *arrays, uint32_t slot) {
+    const girih_frame_block *frame = &arrays->frame;
+    const uint32_t material = slot / frame->draws_per_material;
+    uint32_t low = material * frame->range_count;
+    uint32_t high = low + frame->range_count;
+    const uint32_t draw = girih_group_word(arrays, low, GIRIH_GROUP_FIRST_DRAW) +
+                          slot % frame->draws_per_material;
+    uint32_t *arguments = arrays->words[GIRIH_BIND_DRAWS] + (size_t)slot * DRAW_WORDS;
+    memset(arguments, 0, DRAW_WORDS * sizeof *arguments);
+    if (frame->pattern_draws == 0) {
+        const uint32_t first = girih_group_word(arrays, low, GIRIH_GROUP_FIRST_TRIANGLE);
+        const uint32_t end = girih_group_word(arrays, high, GIRIH_GROUP_FIRST_TRIANGLE);
+        arguments[0] = 3 * (end - first);
+        arguments[1] = 1;
+        arguments[2] = 3 * first;
+        return;
+    }
+    if (draw >= girih_group_word(arrays, high, GIRIH_GROUP_FIRST_DRAW)) {
+        return;
+    }
+    // The last group whose first draw is not beyond this one; empty groups share their successor's.
+    while (high - low > 1) {
+        const uint32_t middle = (low + high) / 2;
+        if (girih_group_word(arrays, middle, GIRIH_GROUP_FIRST_DRAW) <= draw) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    const uint32_t range = low % frame->range_count;
+    const uint32_t rank = girih_range_rank(arrays, range);
+    const uint32_t replicas = girih_pattern(arrays, rank, GIRIH_PATTERN_REPLICAS);
+    const uint32_t first =
+        (draw - girih_group_word(arrays, low, GIRIH_GROUP_FIRST_DRAW)) * replicas;
+    const uint32_t left = girih_group_word(arrays, low, GIRIH_GROUP_END) -
+                          girih_group_word(arrays, low, GIRIH_GROUP_FIRST) - first;
+    const uint32_t count = replicas < left ? replicas : left;
+    const bool mirror = range != girih_pattern(arrays, rank, GIRIH_PATTERN_RANGE);
+    arguments[0] = count * 3 * girih_pattern(arrays, rank, GIRIH_PATTERN_TRIANGLES);
+    arguments[1] = 1;
+    arguments[2] = girih_pattern(arrays, rank,
+                                 mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
+    arguments[3] = girih_group_word(arrays, low, GIRIH_GROUP_FIRST_VERTEX) +
+                   first * girih_pattern(arrays, rank, GIRIH_PATTERN_VERTICES);
+}
+
+void girih_twin_dispatch(girih_arrays *arrays) {
+    const girih_frame_block *frame = &arrays->frame;
+    uint32_t *status = arrays->words[GIRIH_BIND_STATUS];
+    const bool welded = frame->output_mode == GIRIH_OUTPUT_WELDED;
+    uint64_t border = 0;
+    if (welded) {
+        border = frame->corner_count + ((uint64_t)status[GIRIH_STATUS_WELD_VERTICES + 1] << 32 |
+                                        status[GIRIH_STATUS_WELD_VERTICES]);
+    }
+    sums total = sum_groups(arrays, false);
+    uint64_t vertices = total.vertices + border;
+    const bool level0 =
+        total.triangles > frame->max_triangles ||
+        (frame->output_mode != GIRIH_OUTPUT_INSTANCED && vertices > frame->max_vertices);
+    status[GIRIH_STATUS_NEEDED_VERTICES] = (uint32_t)vertices;
+    status[GIRIH_STATUS_NEEDED_VERTICES + 1] = (uint32_t)(vertices >> 32);
+    status[GIRIH_STATUS_NEEDED_TRIANGLES] = (uint32_t)total.triangles;
+    status[GIRIH_STATUS_NEEDED_TRIANGLES + 1] = (uint32_t)(total.triangles >> 32);
+    status[GIRIH_STATUS_FLAGS] = level0 ? GIRIH_STATUS_OVERFLOW : 0;
+    if (level0) {
+        total = sum_groups(arrays, true);
+        border = welded ? frame->corner_count : 0;
+        vertices = total.vertices + border;
+    }
+    write_groups(arrays, level0, border);
+    if (level0) {
+        merge_groups(arrays);
+    }
+    write_status(arrays, &total, vertices);
+    if (frame->output_mode != GIRIH_OUTPUT_INSTANCED) {
+        for (uint32_t slot = 0; slot < frame->draws_per_material * frame->material_count; ++slot) {
+            write_baked_draw(arrays, slot);
+        }
+    }
+}

@@ -1,0 +1,100 @@
+// Stage 1 on the CPU: one level per unique edge of every instance, from the edge alone. Twin of
+// glsl/levels.comp.
+#include <stdbool.h>
+
+#include "scene.h"
+
+// A random number from an edge's end points; the edge's ends stand in canonical order, so both
+// triangles at it agree.
+static uint32_t hash_word(uint32_t hash, uint32_t word) {
+    hash ^= word;
+    hash *= 0x7feb352du;
+    hash ^= hash >> 15;
+    hash *= 0x846ca68bu;
+    hash ^= hash >> 16;
+    return hash;
+}
+
+static uint32_t hash_edge(const girih_arrays *arrays, uint32_t seed, uint32_t a, uint32_t b) {
+    const uint32_t *vertices = arrays->words[GIRIH_BIND_VERTICES];
+    uint32_t hash = hash_word(0x9e3779b9u, seed);
+    for (uint32_t n = 0; n < 3; ++n) {
+        hash = hash_word(hash, vertices[(size_t)a * GIRIH_VERTEX_WORDS + n]);
+    }
+    for (uint32_t n = 0; n < 3; ++n) {
+        hash = hash_word(hash, vertices[(size_t)b * GIRIH_VERTEX_WORDS + n]);
+    }
+    return hash;
+}
+
+static uint32_t level_segments(const girih_frame_block *frame, uint32_t level) {
+    return frame->linear_spacing != 0 ? level + 1 : 1u << level;
+}
+
+static uint32_t random_level(const girih_arrays *arrays, uint32_t a, uint32_t b, bool *clamped) {
+    const girih_frame_block *frame = &arrays->frame;
+    const uint32_t segments = 1 + hash_edge(arrays, frame->seed, a, b) % frame->random_segments;
+    const uint32_t last = frame->level_count - 1;
+    uint32_t level = 0;
+    while (level < last && level_segments(frame, level) < segments) {
+        ++level;
+    }
+    *clamped = level_segments(frame, level) < segments;
+    return level;
+}
+
+static uint32_t length_level(const girih_arrays *arrays, uint32_t instance, uint32_t a, uint32_t b,
+                             bool *clamped) {
+    const girih_frame_block *frame = &arrays->frame;
+    girih_vector p = girih_vertex_position(arrays, a);
+    girih_vector q = girih_vertex_position(arrays, b);
+    float distance_squared = frame->near_squared;
+    if (frame->rule == GIRIH_LEVELS_LENGTH) {
+        const girih_transform transform = girih_instance_transform(arrays, instance);
+        p = girih_transform_point(&transform, p);
+        q = girih_transform_point(&transform, q);
+        if (frame->eye[3] != 0.0f) {
+            const girih_vector eye = {frame->eye[0], frame->eye[1], frame->eye[2]};
+            const girih_vector to_eye = girih_subtract(girih_scale(girih_add(p, q), 0.5f), eye);
+            distance_squared = girih_max(girih_dot(to_eye, to_eye), distance_squared);
+        }
+    }
+    // The smallest n with |q-p|^2 c^2 <= n^2 P^2 max(|m-e|^2, near^2): squares throughout, so that
+    // neither root nor division is needed.
+    const girih_vector along = girih_subtract(q, p);
+    const float wanted = girih_dot(along, along) * frame->length_factor;
+    const uint32_t last = frame->level_count - 1;
+    for (uint32_t level = 0;; ++level) {
+        const float segments = (float)level_segments(frame, level);
+        const float reached = (segments * segments) * distance_squared;
+        *clamped = !(wanted <= reached);
+        if (!*clamped || level == last) {
+            return level;
+        }
+    }
+}
+
+void girih_twin_levels(girih_arrays *arrays) {
+    const girih_frame_block *frame = &arrays->frame;
+    uint32_t *status = arrays->words[GIRIH_BIND_STATUS];
+    uint32_t *levels = arrays->words[GIRIH_BIND_LEVELS];
+    memset(status, 0, (size_t)arrays->count[GIRIH_BIND_STATUS] * sizeof *status);
+    for (uint32_t edge = 0; edge < frame->edge_count; ++edge) {
+        if (frame->rule == GIRIH_LEVELS_UNIFORM) {
+            levels[edge] = frame->uniform_level;
+            continue;
+        }
+        const uint32_t instance =
+            girih_find_instance(arrays, edge, GIRIH_INSTANCE_FIRST_EDGE, frame->edge_blocks);
+        const uint32_t scene_edge =
+            edge - girih_instance_word(arrays, instance, GIRIH_INSTANCE_EDGE_DELTA);
+        const uint32_t *points = arrays->words[GIRIH_BIND_EDGE_POINTS] + 2 * (size_t)scene_edge;
+        bool clamped = false;
+        levels[edge] = frame->rule == GIRIH_LEVELS_RANDOM
+                           ? random_level(arrays, points[0], points[1], &clamped)
+                           : length_level(arrays, instance, points[0], points[1], &clamped);
+        if (clamped) {
+            ++status[GIRIH_STATUS_CLAMPED];
+        }
+    }
+}

@@ -1,0 +1,90 @@
+// Stage 6 on the CPU: index lists of the baked and welded modes, and before them the numbers of the
+// welded vertices inside shared edges. Twin of glsl/output.comp.
+#include "item.h"
+
+static uint32_t pattern_index(const girih_arrays *arrays, uint32_t n) {
+    const uint32_t *indices = arrays->words[GIRIH_BIND_PATTERN_INDICES];
+    if (arrays->frame.index_bytes == 4) {
+        return indices[n];
+    }
+    return indices[n >> 1] >> (16 * (n & 1)) & 0xffff;
+}
+
+static void write_triangles(girih_arrays *arrays, uint32_t number, uint32_t outputs) {
+    const girih_item item = girih_read_item(arrays, number);
+    const uint32_t count = girih_pattern(arrays, item.rank, GIRIH_PATTERN_TRIANGLES);
+    const uint32_t local = number - girih_group_word(arrays, item.group, GIRIH_GROUP_FIRST);
+    const uint32_t first =
+        girih_group_word(arrays, item.group, GIRIH_GROUP_FIRST_TRIANGLE) + local * count;
+    const bool welded = arrays->frame.output_mode == GIRIH_OUTPUT_WELDED;
+    const bool closed = (outputs & GIRIH_OUTPUT_BIT_CLOSED_INDICES) != 0;
+    uint32_t first_vertex = 0;
+    girih_weld weld = {{0}, {0}, {false}, {0}, 0};
+    girih_weld closed_weld = weld;
+    if (welded) {
+        uint32_t vertices[3];
+        girih_item_vertices(arrays, &item, vertices);
+        weld = girih_item_weld(arrays, &item, vertices, false);
+        if (closed) {
+            closed_weld = girih_item_weld(arrays, &item, vertices, true);
+        }
+    } else {
+        first_vertex = girih_group_word(arrays, item.group, GIRIH_GROUP_FIRST_VERTEX) +
+                       local * girih_pattern(arrays, item.rank, GIRIH_PATTERN_VERTICES);
+    }
+    const uint32_t first_index =
+        girih_pattern(arrays, item.rank,
+                      item.mirrored ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
+    for (uint32_t triangle = 0; triangle < count; ++triangle) {
+        const size_t slot = (size_t)first + triangle;
+        for (uint32_t corner = 0; corner < 3; ++corner) {
+            const uint32_t n = pattern_index(arrays, first_index + 3 * triangle + corner);
+            if ((outputs & GIRIH_OUTPUT_BIT_INDICES) != 0) {
+                arrays->words[GIRIH_BIND_OUT_INDICES][3 * slot + corner] =
+                    welded ? girih_weld_vertex(&weld, n) : first_vertex + n;
+            }
+            if (closed) {
+                arrays->words[GIRIH_BIND_OUT_CLOSED_INDICES][3 * slot + corner] =
+                    girih_weld_vertex(&closed_weld, n);
+            }
+        }
+        if ((outputs & GIRIH_OUTPUT_BIT_SOURCES) != 0) {
+            uint32_t *source = arrays->words[GIRIH_BIND_OUT_SOURCES] + 2 * slot;
+            source[0] = item.instance;
+            source[1] = item.scene_triangle -
+                        girih_instance_word(arrays, item.instance, GIRIH_INSTANCE_MESH_TRIANGLE);
+        }
+    }
+}
+
+void girih_twin_output(girih_arrays *arrays, uint32_t outputs) {
+    const uint32_t items = girih_word(arrays, GIRIH_BIND_STATUS, GIRIH_STATUS_ITEMS);
+    for (uint32_t number = 0; number < items; ++number) {
+        write_triangles(arrays, number, outputs);
+    }
+}
+
+// Output vertices inside the plan's weld edge.
+static uint32_t inner_vertices(const girih_arrays *arrays, uint32_t weld_edge) {
+    const uint32_t instance = girih_find_instance(
+        arrays, weld_edge, GIRIH_INSTANCE_FIRST_WELD_EDGE, arrays->frame.weld_blocks);
+    const uint32_t scene_weld_edge =
+        weld_edge - girih_instance_word(arrays, instance, GIRIH_INSTANCE_WELD_DELTA);
+    const uint32_t level =
+        girih_word(arrays, GIRIH_BIND_LEVELS,
+                   girih_word(arrays, GIRIH_BIND_WELD_EDGE_EDGES, scene_weld_edge) +
+                       girih_instance_word(arrays, instance, GIRIH_INSTANCE_EDGE_DELTA));
+    return arrays->frame.linear_spacing != 0 ? level : (1u << level) - 1;
+}
+
+void girih_twin_weld(girih_arrays *arrays) {
+    uint32_t *offsets = arrays->words[GIRIH_BIND_WELD_OFFSETS];
+    uint32_t *status = arrays->words[GIRIH_BIND_STATUS];
+    uint64_t sum = 0;
+    for (uint32_t n = 0; n < arrays->frame.weld_edge_count; ++n) {
+        offsets[n] = (uint32_t)sum;
+        sum += inner_vertices(arrays, n);
+    }
+    status[GIRIH_STATUS_WELD_VERTICES] = (uint32_t)sum;
+    status[GIRIH_STATUS_WELD_VERTICES + 1] = (uint32_t)(sum >> 32);
+}

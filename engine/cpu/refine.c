@@ -1,0 +1,193 @@
+// All stages on the CPU, one after another, into memory of the output's exact size.
+#include "girih/cpu.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+#include "../arrays.h"
+#include "../error.h"
+#include "../memory.h"
+
+// Counts that index lists and signed offsets of other programs can still hold.
+#define MAX_OUTPUT (UINT64_C(1) << 31)
+
+static girih_result check(const girih_cpu_desc *desc, const girih_frame *frame,
+                          girih_error *error) {
+    if ((desc->mesh_count > 0 && !desc->meshes) || (desc->instance_count > 0 && !desc->instances)) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "refine: meshes or instances are NULL");
+    }
+    if (desc->surface != GIRIH_SURFACE_FLAT && desc->surface != GIRIH_SURFACE_PN) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "refine: unknown surface %d",
+                          (int)desc->surface);
+    }
+    if (desc->mode != GIRIH_MODE_INSTANCED && desc->mode != GIRIH_MODE_BAKED &&
+        desc->mode != GIRIH_MODE_WELDED) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "refine: unknown mode %d",
+                          (int)desc->mode);
+    }
+    if ((desc->outputs & GIRIH_OUTPUT_CLOSED_INDICES) != 0 &&
+        (desc->mode != GIRIH_MODE_WELDED || frame->cull_frustum || frame->cull_back)) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "refine: closed indices need the welded mode, and nothing culled");
+    }
+    return GIRIH_OK;
+}
+
+// Everything up to the counts of the output.
+static girih_result count_output(girih_arrays *arrays, const girih_cpu_desc *desc,
+                                 const girih_frame *frame, girih_error *error) {
+    girih_scene_table table;
+    girih_result result =
+        girih_pack_catalogue(arrays, desc->catalogue ? desc->catalogue : girih_catalogue_dyadic(),
+                             error);
+    if (result == GIRIH_OK) {
+        result = girih_pack_scene(arrays, &table, desc->meshes, desc->mesh_count, error);
+    }
+    if (result != GIRIH_OK) {
+        return result;
+    }
+    girih_plan_shape shape = {
+        .mode = desc->mode == GIRIH_MODE_WELDED ? GIRIH_MODE_WELDED : GIRIH_MODE_BAKED,
+        .outputs = desc->outputs | GIRIH_OUTPUT_NO_DRAW,
+        .max_vertices = desc->max_vertices != 0 ? desc->max_vertices : UINT32_MAX,
+        .max_triangles = desc->max_triangles != 0 ? desc->max_triangles : UINT32_MAX,
+    };
+    result = girih_pack_plan(arrays, &shape, &table, desc->instances, desc->instance_count, error);
+    girih_free(table.meshes);
+    if (result == GIRIH_OK) {
+        result = girih_pack_frame(arrays, frame, error);
+    }
+    // The sort's counters and spare items, and the draws, are the GPU's alone.
+    static const uint32_t written[] = {GIRIH_BIND_LEVELS, GIRIH_BIND_KEYS,   GIRIH_BIND_ITEMS,
+                                       GIRIH_BIND_GROUPS, GIRIH_BIND_STATUS, GIRIH_BIND_WELD_OFFSETS};
+    for (size_t n = 0; n < sizeof written / sizeof *written && result == GIRIH_OK; ++n) {
+        const uint64_t count = arrays->count[written[n]];
+        arrays->words[written[n]] =
+            count <= SIZE_MAX ? girih_allocate_array((size_t)count, sizeof(uint32_t)) : NULL;
+        if (!arrays->words[written[n]]) {
+            result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY,
+                                "refine: no memory for %" PRIu64 " words of work", count);
+        }
+    }
+    if (result != GIRIH_OK) {
+        return result;
+    }
+    girih_twin_levels(arrays);
+    girih_twin_select(arrays, desc->surface);
+    result = girih_twin_group(arrays, error);
+    if (result == GIRIH_OK) {
+        if (shape.mode == GIRIH_MODE_WELDED) {
+            girih_twin_weld(arrays);
+        }
+        girih_twin_dispatch(arrays);
+    }
+    return result;
+}
+
+static girih_result check_counts(const girih_cpu_desc *desc, const girih_statistics *statistics,
+                                 girih_error *error) {
+    const uint64_t vertices =
+        desc->max_vertices == 0 ? statistics->needed_vertices : statistics->output_vertices;
+    const uint64_t triangles =
+        desc->max_triangles == 0 ? statistics->needed_triangles : statistics->output_triangles;
+    if (vertices > MAX_OUTPUT || triangles > MAX_OUTPUT) {
+        return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
+                          "refine: %" PRIu64 " vertices and %" PRIu64
+                          " triangles are needed, at most %" PRIu64 " of each can be written",
+                          vertices, triangles, MAX_OUTPUT);
+    }
+    return GIRIH_OK;
+}
+
+static girih_result allocate(void *memory, uint64_t count, size_t size, girih_error *error) {
+    void *allocated =
+        count <= SIZE_MAX ? girih_allocate_array((size_t)count, size) : NULL;
+    memcpy(memory, &allocated, sizeof allocated);
+    return allocated ? GIRIH_OK
+                     : girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY,
+                                  "refine: no memory for %" PRIu64 " records of %zu bytes of output",
+                                  count, size);
+}
+
+static girih_result allocate_output(girih_cpu_output *output, uint32_t outputs,
+                                    girih_error *error) {
+    const uint64_t vertices = output->statistics.output_vertices;
+    const uint64_t triangles = output->statistics.output_triangles;
+    const size_t point_bytes = ((size_t)output->attribute_floats + 3) * sizeof(float);
+    girih_result result = allocate(&output->positions, vertices, 3 * sizeof(float), error);
+    if (result == GIRIH_OK) {
+        result = allocate(&output->attributes, vertices, point_bytes, error);
+    }
+    if (result == GIRIH_OK) {
+        result = allocate(&output->indices, triangles, 3 * sizeof(uint32_t), error);
+    }
+    if (result == GIRIH_OK && (outputs & GIRIH_OUTPUT_CLOSED_INDICES) != 0) {
+        result = allocate(&output->closed_indices, triangles, 3 * sizeof(uint32_t), error);
+    }
+    if (result == GIRIH_OK && (outputs & GIRIH_OUTPUT_SOURCES) != 0) {
+        result = allocate(&output->sources, triangles, 2 * sizeof(uint32_t), error);
+    }
+    if (result == GIRIH_OK) {
+        result = allocate(&output->material_first, (uint64_t)output->material_count + 1,
+                          sizeof(uint32_t), error);
+    }
+    if (result == GIRIH_OK && output->statistics.culled_triangles > 0) {
+        // Welded corners of culled triangles alone have no other value.
+        memset(output->positions, 0, (size_t)vertices * 3 * sizeof(float));
+        memset(output->attributes, 0, (size_t)vertices * point_bytes);
+    }
+    return result;
+}
+
+girih_result girih_cpu_refine(const girih_cpu_desc *desc, const girih_frame *frame,
+                              girih_cpu_output *output, girih_error *error) {
+    if (!desc || !frame || !output) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "refine: a null pointer");
+    }
+    girih_cpu_output refined = {0};
+    girih_arrays arrays = {.frame = {.instance_count = 0}};
+    girih_result result = check(desc, frame, error);
+    if (result == GIRIH_OK) {
+        result = count_output(&arrays, desc, frame, error);
+    }
+    if (result == GIRIH_OK) {
+        refined.statistics = girih_read_status(&arrays.frame, arrays.words[GIRIH_BIND_STATUS]);
+        refined.material_count = arrays.frame.material_count;
+        refined.attribute_floats = arrays.frame.attribute_floats;
+        result = check_counts(desc, &refined.statistics, error);
+    }
+    if (result == GIRIH_OK) {
+        result = allocate_output(&refined, desc->outputs, error);
+    }
+    if (result == GIRIH_OK) {
+        arrays.words[GIRIH_BIND_OUT_POSITIONS] = (uint32_t *)(void *)refined.positions;
+        arrays.words[GIRIH_BIND_OUT_ATTRIBUTES] = (uint32_t *)(void *)refined.attributes;
+        arrays.words[GIRIH_BIND_OUT_INDICES] = refined.indices;
+        arrays.words[GIRIH_BIND_OUT_CLOSED_INDICES] = refined.closed_indices;
+        arrays.words[GIRIH_BIND_OUT_SOURCES] = refined.sources;
+        girih_twin_evaluate(&arrays, desc->surface);
+        girih_twin_output(&arrays, desc->outputs | GIRIH_OUTPUT_INDICES);
+        memcpy(refined.material_first,
+               arrays.words[GIRIH_BIND_STATUS] + GIRIH_STATUS_WORDS + arrays.frame.pattern_count,
+               ((size_t)refined.material_count + 1) * sizeof(uint32_t));
+        *output = refined;
+    } else {
+        girih_cpu_output_free(&refined);
+    }
+    girih_arrays_free(&arrays, 0, GIRIH_BIND_OUT_POSITIONS);
+    return result;
+}
+
+void girih_cpu_output_free(girih_cpu_output *output) {
+    if (!output) {
+        return;
+    }
+    girih_free(output->positions);
+    girih_free(output->attributes);
+    girih_free(output->indices);
+    girih_free(output->closed_indices);
+    girih_free(output->sources);
+    girih_free(output->material_first);
+    *output = (girih_cpu_output){0};
+}

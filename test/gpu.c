@@ -1,0 +1,272 @@
+#include "gpu.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void gpu_check(VkResult result, const char *what) {
+    if (result != VK_SUCCESS) {
+        fprintf(stderr, "%s: VkResult %d\n", what, (int)result);
+        exit(1);
+    }
+}
+
+void gpu_girih(girih_result result, const girih_error *error) {
+    if (result != GIRIH_OK) {
+        fprintf(stderr, "girih: %d: %s\n", (int)result, error->message);
+        exit(1);
+    }
+}
+
+static VkBool32 VKAPI_CALL count_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                         VkDebugUtilsMessageTypeFlagsEXT types,
+                                         const VkDebugUtilsMessengerCallbackDataEXT *data, void *user) {
+    (void)severity;
+    (void)types;
+    gpu *gpu = user;
+    ++gpu->messages;
+    fprintf(stderr, "validation: %s\n", data->pMessage);
+    return VK_FALSE;
+}
+
+static void create_instance(gpu *gpu, bool validation) {
+    const char *layer = "VK_LAYER_KHRONOS_validation";
+    const char *extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+    const VkValidationFeatureEnableEXT enable = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+    const VkValidationFeaturesEXT features = {.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                              .enabledValidationFeatureCount = 1,
+                                              .pEnabledValidationFeatures = &enable};
+    const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                           .pApplicationName = "girih test",
+                                           .apiVersion = girih_get_requirements().api_version};
+    const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                       .pNext = validation ? &features : NULL,
+                                       .pApplicationInfo = &application,
+                                       .enabledLayerCount = validation ? 1 : 0,
+                                       .ppEnabledLayerNames = &layer,
+                                       .enabledExtensionCount = validation ? 1 : 0,
+                                       .ppEnabledExtensionNames = &extension};
+    gpu_check(vkCreateInstance(&info, NULL, &gpu->instance), "vkCreateInstance (are the validation layers installed?)");
+    if (validation) {
+        const VkDebugUtilsMessengerCreateInfoEXT messenger = {
+            .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+            .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+            .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                           VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+            .pfnUserCallback = count_message,
+            .pUserData = gpu};
+        PFN_vkCreateDebugUtilsMessengerEXT create =
+            (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(gpu->instance, "vkCreateDebugUtilsMessengerEXT");
+        gpu_check(create(gpu->instance, &messenger, NULL, &gpu->messenger), "vkCreateDebugUtilsMessengerEXT");
+    }
+}
+
+// The features of `wanted` that the device has.
+static void mask_features(VkPhysicalDeviceFeatures *enabled, const VkPhysicalDeviceFeatures *wanted,
+                          const VkPhysicalDeviceFeatures *there) {
+    const size_t count = sizeof(VkPhysicalDeviceFeatures) / sizeof(VkBool32);
+    for (size_t n = 0; n < count; ++n) {
+        VkBool32 want, have;
+        memcpy(&want, (const char *)wanted + n * sizeof want, sizeof want);
+        memcpy(&have, (const char *)there + n * sizeof have, sizeof have);
+        have = want && have;
+        memcpy((char *)enabled + n * sizeof have, &have, sizeof have);
+    }
+}
+
+static bool has_extension(VkPhysicalDevice device, const char *name) {
+    uint32_t count = 0;
+    vkEnumerateDeviceExtensionProperties(device, NULL, &count, NULL);
+    VkExtensionProperties *properties = calloc(count + 1, sizeof *properties);
+    bool found = false;
+    if (properties && vkEnumerateDeviceExtensionProperties(device, NULL, &count, properties) == VK_SUCCESS) {
+        for (uint32_t n = 0; n < count; ++n) {
+            found = found || strcmp(properties[n].extensionName, name) == 0;
+        }
+    }
+    free(properties);
+    return found;
+}
+
+void gpu_open(gpu *gpu, const VkPhysicalDeviceFeatures *wanted, bool validation) {
+    memset(gpu, 0, sizeof *gpu);
+    create_instance(gpu, validation);
+    uint32_t count = 1;
+    const VkResult found = vkEnumeratePhysicalDevices(gpu->instance, &count, &gpu->physical_device);
+    if ((found != VK_SUCCESS && found != VK_INCOMPLETE) || count == 0) {
+        fprintf(stderr, "no Vulkan device; install mesa-vulkan-drivers\n");
+        exit(1);
+    }
+    vkGetPhysicalDeviceProperties(gpu->physical_device, &gpu->properties);
+    vkGetPhysicalDeviceMemoryProperties(gpu->physical_device, &gpu->memory);
+    VkQueueFamilyProperties families[16];
+    uint32_t family_count = 16;
+    vkGetPhysicalDeviceQueueFamilyProperties(gpu->physical_device, &family_count, families);
+    const VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+    while (gpu->queue_family < family_count && (families[gpu->queue_family].queueFlags & needed) != needed) {
+        ++gpu->queue_family;
+    }
+    if (wanted) {
+        VkPhysicalDeviceFeatures there;
+        vkGetPhysicalDeviceFeatures(gpu->physical_device, &there);
+        mask_features(&gpu->features, wanted, &there);
+    }
+    const char *feedback = VK_EXT_TRANSFORM_FEEDBACK_EXTENSION_NAME;
+    gpu->transform_feedback = has_extension(gpu->physical_device, feedback);
+    VkPhysicalDeviceTransformFeedbackFeaturesEXT feedback_features = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TRANSFORM_FEEDBACK_FEATURES_EXT, .transformFeedback = VK_TRUE};
+    const float priority = 1;
+    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                           .queueFamilyIndex = gpu->queue_family,
+                                           .queueCount = 1,
+                                           .pQueuePriorities = &priority};
+    const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                     .pNext = gpu->transform_feedback ? &feedback_features : NULL,
+                                     .queueCreateInfoCount = 1,
+                                     .pQueueCreateInfos = &queue,
+                                     .enabledExtensionCount = gpu->transform_feedback ? 1 : 0,
+                                     .ppEnabledExtensionNames = &feedback,
+                                     .pEnabledFeatures = &gpu->features};
+    gpu_check(vkCreateDevice(gpu->physical_device, &info, NULL, &gpu->device), "vkCreateDevice");
+    vkGetDeviceQueue(gpu->device, gpu->queue_family, 0, &gpu->queue);
+    const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                          .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
+                                          .queueFamilyIndex = gpu->queue_family};
+    gpu_check(vkCreateCommandPool(gpu->device, &pool, NULL, &gpu->pool), "vkCreateCommandPool");
+    const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    gpu_check(vkCreateFence(gpu->device, &fence, NULL, &gpu->fence), "vkCreateFence");
+}
+
+unsigned gpu_close(gpu *gpu) {
+    vkDestroyFence(gpu->device, gpu->fence, NULL);
+    vkDestroyCommandPool(gpu->device, gpu->pool, NULL);
+    vkDestroyDevice(gpu->device, NULL);
+    if (gpu->messenger) {
+        PFN_vkDestroyDebugUtilsMessengerEXT destroy =
+            (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(gpu->instance, "vkDestroyDebugUtilsMessengerEXT");
+        destroy(gpu->instance, gpu->messenger, NULL);
+    }
+    vkDestroyInstance(gpu->instance, NULL);
+    return gpu->messages;
+}
+
+VkCommandBuffer gpu_begin(gpu *gpu) {
+    const VkCommandBufferAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                              .commandPool = gpu->pool,
+                                              .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                              .commandBufferCount = 1};
+    VkCommandBuffer commands;
+    gpu_check(vkAllocateCommandBuffers(gpu->device, &info, &commands), "vkAllocateCommandBuffers");
+    const VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    gpu_check(vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
+    return commands;
+}
+
+void gpu_end(VkCommandBuffer commands) {
+    gpu_check(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
+}
+
+void gpu_submit(gpu *gpu, VkCommandBuffer commands) {
+    const VkSubmitInfo submit = {
+        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &commands};
+    gpu_check(vkQueueSubmit(gpu->queue, 1, &submit, gpu->fence), "vkQueueSubmit");
+    gpu_check(vkWaitForFences(gpu->device, 1, &gpu->fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+    gpu_check(vkResetFences(gpu->device, 1, &gpu->fence), "vkResetFences");
+}
+
+void gpu_run(gpu *gpu, VkCommandBuffer commands) {
+    gpu_end(commands);
+    gpu_submit(gpu, commands);
+    vkFreeCommandBuffers(gpu->device, gpu->pool, 1, &commands);
+}
+
+gpu_buffer gpu_create_buffer(gpu *gpu, VkDeviceSize size, VkBufferUsageFlags usage, bool host) {
+    gpu_buffer buffer = {.size = size};
+    const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
+    gpu_check(vkCreateBuffer(gpu->device, &info, NULL, &buffer.buffer), "vkCreateBuffer");
+    VkMemoryRequirements needs;
+    vkGetBufferMemoryRequirements(gpu->device, buffer.buffer, &needs);
+    const VkMemoryPropertyFlags flags = host ? VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT
+                                             : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    uint32_t type = 0;
+    while (!(needs.memoryTypeBits & 1u << type) || (gpu->memory.memoryTypes[type].propertyFlags & flags) != flags) {
+        ++type;
+    }
+    const VkMemoryAllocateInfo allocation = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs.size, .memoryTypeIndex = type};
+    gpu_check(vkAllocateMemory(gpu->device, &allocation, NULL, &buffer.memory), "vkAllocateMemory");
+    gpu_check(vkBindBufferMemory(gpu->device, buffer.buffer, buffer.memory, 0), "vkBindBufferMemory");
+    if (host) {
+        gpu_check(vkMapMemory(gpu->device, buffer.memory, 0, VK_WHOLE_SIZE, 0, &buffer.mapped), "vkMapMemory");
+    }
+    return buffer;
+}
+
+void gpu_destroy_buffer(gpu *gpu, gpu_buffer *buffer) {
+    vkDestroyBuffer(gpu->device, buffer->buffer, NULL);
+    vkFreeMemory(gpu->device, buffer->memory, NULL);
+    *buffer = (gpu_buffer){0};
+}
+
+void *gpu_read(gpu *gpu, VkBuffer source, VkDeviceSize offset, VkDeviceSize size) {
+    void *bytes = calloc(1, size ? size : 1);
+    if (!bytes) {
+        fprintf(stderr, "out of memory\n");
+        exit(1);
+    }
+    if (size == 0) {
+        return bytes;
+    }
+    gpu_buffer target = gpu_create_buffer(gpu, size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
+    VkCommandBuffer commands = gpu_begin(gpu);
+    const VkMemoryBarrier before = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                    .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
+                                    .dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT};
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1, &before, 0, NULL,
+                         0, NULL);
+    const VkBufferCopy copy = {.srcOffset = offset, .size = size};
+    vkCmdCopyBuffer(commands, source, target.buffer, 1, &copy);
+    const VkMemoryBarrier after = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                   .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+                                   .dstAccessMask = VK_ACCESS_HOST_READ_BIT};
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &after, 0, NULL, 0, NULL);
+    gpu_run(gpu, commands);
+    memcpy(bytes, target.mapped, size);
+    gpu_destroy_buffer(gpu, &target);
+    return bytes;
+}
+
+VkShaderModule gpu_shader(gpu *gpu, const uint32_t *words, size_t bytes) {
+    const VkShaderModuleCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = bytes, .pCode = words};
+    VkShaderModule module;
+    gpu_check(vkCreateShaderModule(gpu->device, &info, NULL, &module), "vkCreateShaderModule");
+    return module;
+}
+
+girih_context *gpu_context(gpu *gpu, const girih_context_desc *options) {
+    girih_context_desc desc = *options;
+    desc.get_instance_proc_addr = vkGetInstanceProcAddr;
+    desc.instance = gpu->instance;
+    desc.physical_device = gpu->physical_device;
+    desc.device = gpu->device;
+    desc.enabled_features = &gpu->features;
+    girih_context *context;
+    girih_error error;
+    gpu_girih(girih_context_create(&desc, &context, &error), &error);
+    VkCommandBuffer commands = gpu_begin(gpu);
+    girih_cmd_upload_context(context, commands);
+    gpu_run(gpu, commands);
+    return context;
+}
+
+girih_scene *gpu_scene(gpu *gpu, const girih_context *context, const girih_mesh *const *meshes, uint32_t mesh_count) {
+    girih_scene *scene;
+    girih_error error;
+    gpu_girih(girih_scene_create(context, meshes, mesh_count, &scene, &error), &error);
+    VkCommandBuffer commands = gpu_begin(gpu);
+    girih_cmd_upload_scene(scene, commands);
+    gpu_run(gpu, commands);
+    girih_scene_trim(scene);
+    return scene;
+}

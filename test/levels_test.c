@@ -1,0 +1,311 @@
+// Stage 1: the laws of levels, on the CPU.
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "meshes.h"
+#include "stages.h"
+
+static const girih_plan_shape baked = {.mode = GIRIH_MODE_BAKED, .outputs = GIRIH_OUTPUT_NO_DRAW};
+
+static uint32_t edge_level(const stages *s, uint32_t edge) {
+    return s->arrays.words[GIRIH_BIND_LEVELS][edge];
+}
+
+static uint32_t segments_of(const girih_catalogue *catalogue, uint32_t level) {
+    return girih_catalogue_segments(catalogue, level);
+}
+
+static const float *end_position(const girih_mesh *mesh, uint32_t edge, int end) {
+    return mesh->positions + 3 * (size_t)mesh->edge_points[2 * edge + (uint32_t)end];
+}
+
+// The same triangles with the vertices and the triangles in another order, corners rotated.
+static const girih_mesh *shuffled(const girih_mesh *mesh, uint64_t seed) {
+    uint64_t state = seed;
+    const uint32_t vertex_count = mesh->vertex_count;
+    const uint32_t triangle_count = mesh->triangle_count;
+    uint32_t *order = malloc(vertex_count * sizeof *order);
+    float *positions = malloc(vertex_count * 3 * sizeof *positions);
+    float *normals = malloc(vertex_count * 3 * sizeof *normals);
+    uint32_t *indices = malloc(triangle_count * 3 * sizeof *indices);
+    assert_true(order && positions && normals && indices);
+    for (uint32_t n = 0; n < vertex_count; ++n) {
+        const uint32_t other = draw_number(&state) % (n + 1);
+        order[n] = n;
+        order[n] = order[other];
+        order[other] = n;
+    }
+    for (uint32_t n = 0; n < vertex_count; ++n) {
+        memcpy(positions + 3 * (size_t)order[n], mesh->positions + 3 * (size_t)n, 12);
+        memcpy(normals + 3 * (size_t)order[n], mesh->normals + 3 * (size_t)n, 12);
+    }
+    for (uint32_t n = 0; n < triangle_count; ++n) {
+        for (uint32_t corner = 0; corner < 3; ++corner) {
+            indices[3 * (triangle_count - 1 - n) + corner] =
+                order[mesh->triangle_vertices[3 * n + (corner + n) % 3]];
+        }
+    }
+    const girih_mesh_desc desc = {.vertex_count = vertex_count,
+                                  .positions = positions,
+                                  .normals = normals,
+                                  .indices = indices,
+                                  .index_count = triangle_count * 3};
+    const girih_mesh *result = NULL;
+    assert_int_equal(girih_mesh_create(&desc, &result, NULL), GIRIH_OK);
+    free(order);
+    free(positions);
+    free(normals);
+    free(indices);
+    return result;
+}
+
+static void random_levels_depend_on_positions_alone(void **state) {
+    (void)state;
+    const girih_mesh *mesh = make_torus(12, 8);
+    const girih_mesh *other = shuffled(mesh, 77);
+    const girih_instance moved = {0, {2, 1, 0, 5, 0, -3, 0, 1, 0.5f, 0, 1, -2}};
+    stages a = stages_begin(girih_catalogue_linear(), &mesh, 1, NULL, 0, baked);
+    stages b = stages_begin(girih_catalogue_linear(), &other, 1, &moved, 1, baked);
+    assert_int_equal(mesh->edge_count, other->edge_count);
+    uint32_t seen[17] = {0};
+    uint32_t differ = 0;
+    for (uint32_t seed = 0; seed < 20; ++seed) {
+        const girih_frame frame = {.rule = GIRIH_LEVEL_RANDOM, .segments = 16, .seed = seed};
+        stages_frame(&a, &frame);
+        stages_frame(&b, &frame);
+        girih_twin_levels(&a.arrays);
+        girih_twin_levels(&b.arrays);
+        for (uint32_t edge = 0; edge < mesh->edge_count; ++edge) {
+            uint32_t twin = 0;
+            while (memcmp(end_position(mesh, edge, 0), end_position(other, twin, 0), 12) != 0 ||
+                   memcmp(end_position(mesh, edge, 1), end_position(other, twin, 1), 12) != 0) {
+                ++twin;
+                assert_true(twin < other->edge_count);
+            }
+            assert_int_equal(edge_level(&a, edge), edge_level(&b, twin));
+            ++seen[edge_level(&a, edge) + 1];
+            differ += edge > 0 && edge_level(&a, edge) != edge_level(&a, edge - 1);
+        }
+    }
+    // Every count of segments comes up, each about as often.
+    const double mean = 20.0 * mesh->edge_count / 16.0;
+    for (uint32_t segments = 1; segments <= 16; ++segments) {
+        assert_true(seen[segments] > 0.7 * mean && seen[segments] < 1.3 * mean);
+    }
+    assert_true(differ > 20 * mesh->edge_count * 8 / 10);
+    stages_end(&a);
+    stages_end(&b);
+    girih_mesh_destroy(mesh);
+    girih_mesh_destroy(other);
+}
+
+static void dyadic_levels_round_up(void **state) {
+    (void)state;
+    const girih_mesh *mesh = make_torus(12, 8);
+    stages linear = stages_begin(girih_catalogue_linear(), &mesh, 1, NULL, 0, baked);
+    stages dyadic = stages_begin(girih_catalogue_dyadic(), &mesh, 1, NULL, 0, baked);
+    const girih_frame frame = {.rule = GIRIH_LEVEL_RANDOM, .segments = 16, .seed = 5};
+    stages_frame(&linear, &frame);
+    stages_frame(&dyadic, &frame);
+    girih_twin_levels(&linear.arrays);
+    girih_twin_levels(&dyadic.arrays);
+    for (uint32_t edge = 0; edge < mesh->edge_count; ++edge) {
+        const uint32_t asked = segments_of(girih_catalogue_linear(), edge_level(&linear, edge));
+        const uint32_t got = segments_of(girih_catalogue_dyadic(), edge_level(&dyadic, edge));
+        assert_true(got >= asked && (got == 1 || got / 2 < asked));
+    }
+    stages_end(&linear);
+    stages_end(&dyadic);
+    girih_mesh_destroy(mesh);
+}
+
+static void random_clamps_are_counted(void **state) {
+    (void)state;
+    const girih_mesh *mesh = make_icosphere(2);
+    stages s = stages_begin(girih_catalogue_linear(), &mesh, 1, NULL, 0, baked);
+    // The hash modulo 16 is the hash modulo 32 modulo 16, so half of the edges are clamped.
+    const girih_frame frame = {.rule = GIRIH_LEVEL_RANDOM, .segments = 32, .seed = 9};
+    stages_frame(&s, &frame);
+    girih_twin_levels(&s.arrays);
+    uint32_t last = 0;
+    for (uint32_t edge = 0; edge < mesh->edge_count; ++edge) {
+        last += edge_level(&s, edge) == 15;
+    }
+    const uint64_t clamped = stages_statistics(&s).clamped_edges;
+    assert_true(clamped <= last && clamped > mesh->edge_count / 3);
+    stages_end(&s);
+    girih_mesh_destroy(mesh);
+}
+
+// Segments asked for in double precision: the real number whose ceiling counts.
+static double wanted_segments(const girih_mesh *mesh, uint32_t edge, const float t[12],
+                              const girih_frame *frame) {
+    double ends[2][3];
+    for (int end = 0; end < 2; ++end) {
+        const float *p = end_position(mesh, edge, end);
+        for (int axis = 0; axis < 3; ++axis) {
+            ends[end][axis] = (double)p[axis];
+            if (frame->rule == GIRIH_LEVEL_EDGE_PIXELS) {
+                const float *row = t + 4 * axis;
+                ends[end][axis] = (double)row[0] * (double)p[0] + (double)row[1] * (double)p[1] +
+                                  (double)row[2] * (double)p[2] + (double)row[3];
+            }
+        }
+    }
+    double length = 0, distance = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double along = ends[1][axis] - ends[0][axis];
+        const double away = (ends[0][axis] + ends[1][axis]) / 2 - (double)frame->eye[axis];
+        length += along * along;
+        distance += away * away;
+    }
+    length = sqrt(length);
+    if (frame->rule == GIRIH_LEVEL_EDGE_LENGTH) {
+        return length / (double)frame->length;
+    }
+    distance = frame->orthographic ? 1.0 : fmax(sqrt(distance), (double)frame->near_distance);
+    return length * (double)frame->pixels_per_unit / distance / (double)frame->length;
+}
+
+static void check_lengths(const girih_catalogue *catalogue, girih_frame frame, uint64_t seed,
+                          uint64_t *checked) {
+    const girih_mesh *mesh = make_soup(60, 40, seed);
+    uint64_t random = seed + 1;
+    girih_instance instances[2];
+    for (uint32_t n = 0; n < 2; ++n) {
+        instances[n].mesh = 0;
+        for (int element = 0; element < 12; ++element) {
+            instances[n].transform[element] = draw_float(&random, -2.0f, 2.0f);
+        }
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        frame.eye[axis] = draw_float(&random, -3.0f, 3.0f);
+    }
+    stages s = stages_begin(catalogue, &mesh, 1, instances, 2, baked);
+    stages_frame(&s, &frame);
+    girih_twin_levels(&s.arrays);
+    uint64_t clamped = 0, ties = 0;
+    for (uint32_t n = 0; n < 2 * mesh->edge_count; ++n) {
+        const girih_instance *instance = &instances[n / mesh->edge_count];
+        const double wanted =
+            wanted_segments(mesh, n % mesh->edge_count, instance->transform, &frame);
+        if (fabs(wanted - round(wanted)) < 1e-4 * wanted) {
+            ++ties;
+            continue;
+        }
+        int is_clamped = 0;
+        const uint32_t level = girih_catalogue_level(
+            catalogue, wanted < 1e6 ? (uint32_t)ceil(wanted) : 1000000u, &is_clamped);
+        assert_int_equal(edge_level(&s, n), level);
+        clamped += is_clamped != 0;
+        ++*checked;
+    }
+    const uint64_t counted = stages_statistics(&s).clamped_edges;
+    assert_true(counted >= clamped && counted <= clamped + ties);
+    stages_end(&s);
+    girih_mesh_destroy(mesh);
+}
+
+static void lengths_agree_with_double_precision(void **state) {
+    (void)state;
+    uint64_t checked = 0;
+    for (uint64_t seed = 1; seed <= 8; ++seed) {
+        girih_frame frame = {.rule = GIRIH_LEVEL_EDGE_PIXELS,
+                             .length = 8.0f,
+                             .pixels_per_unit = 90.0f * (float)seed,
+                             .near_distance = 0.5f};
+        check_lengths(girih_catalogue_dyadic(), frame, seed, &checked);
+        check_lengths(girih_catalogue_linear(), frame, seed, &checked);
+        frame.orthographic = 1;
+        check_lengths(girih_catalogue_linear(), frame, seed, &checked);
+        frame = (girih_frame){.rule = GIRIH_LEVEL_EDGE_LENGTH, .length = 0.05f * (float)seed};
+        check_lengths(girih_catalogue_dyadic(), frame, seed, &checked);
+        check_lengths(girih_catalogue_linear(), frame, seed, &checked);
+    }
+    assert_true(checked > 10000);
+}
+
+static void uniform_levels(void **state) {
+    (void)state;
+    const girih_mesh *mesh = make_cube(1);
+    stages s = stages_begin(girih_catalogue_dyadic(), &mesh, 1, NULL, 0, baked);
+    static const struct {
+        uint32_t segments, level;
+        uint64_t clamped;
+    } cases[] = {{0, 0, 0}, {1, 0, 0}, {2, 1, 0}, {3, 2, 0}, {33, 6, 0}, {64, 6, 0}, {65, 6, 18}};
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; ++n) {
+        const girih_frame frame = {.segments = cases[n].segments};
+        stages_frame(&s, &frame);
+        girih_twin_levels(&s.arrays);
+        for (uint32_t edge = 0; edge < mesh->edge_count; ++edge) {
+            assert_int_equal(edge_level(&s, edge), cases[n].level);
+        }
+        assert_int_equal(stages_statistics(&s).clamped_edges, cases[n].clamped);
+    }
+    stages_end(&s);
+    girih_mesh_destroy(mesh);
+}
+
+static void refused(stages *s, girih_frame frame, const char *message) {
+    const girih_frame_block before = s->arrays.frame;
+    girih_error error = {GIRIH_OK, ""};
+    assert_int_equal(girih_pack_frame(&s->arrays, &frame, &error), GIRIH_ERROR_INVALID_ARGUMENT);
+    assert_string_equal(error.message, message);
+    assert_memory_equal(&before, &s->arrays.frame, sizeof before);
+}
+
+static void frames_that_cannot_be_meant_are_refused(void **state) {
+    (void)state;
+    const girih_mesh *mesh = make_triangle();
+    stages s = stages_begin(girih_catalogue_dyadic(), &mesh, 1, NULL, 0, baked);
+    const girih_frame pixels = {.rule = GIRIH_LEVEL_EDGE_PIXELS,
+                                .length = 8.0f,
+                                .pixels_per_unit = 500.0f,
+                                .near_distance = 0.1f};
+    stages_frame(&s, &pixels);
+    girih_frame frame = pixels;
+    frame.length = 0.0f;
+    refused(&s, frame, "frame: 0 pixels a segment and 500 pixels a unit must both be positive");
+    frame = pixels;
+    frame.pixels_per_unit = NAN;
+    girih_error error = {GIRIH_OK, ""};
+    assert_int_equal(girih_pack_frame(&s.arrays, &frame, &error), GIRIH_ERROR_INVALID_ARGUMENT);
+    frame = pixels;
+    frame.pixels_per_unit = 1e30f;
+    refused(&s, frame, "frame: 1e+30 pixels a unit at 8 pixels a segment are out of range");
+    frame = pixels;
+    frame.near_distance = -1.0f;
+    refused(&s, frame, "frame: the near distance -1 must be positive");
+    frame.orthographic = 1;
+    stages_frame(&s, &frame);
+    frame = pixels;
+    frame.eye[1] = INFINITY;
+    refused(&s, frame, "frame: the eye is not finite");
+    frame = pixels;
+    frame.planes[4][3] = NAN;
+    refused(&s, frame, "frame: plane 4 is not finite");
+    frame = (girih_frame){.rule = GIRIH_LEVEL_EDGE_LENGTH, .length = -1.0f};
+    refused(&s, frame, "frame: the length -1 of a segment must be positive");
+    frame = (girih_frame){.rule = (girih_level_rule)7};
+    refused(&s, frame, "frame: unknown level rule 7");
+    stages_end(&s);
+    girih_mesh_destroy(mesh);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(random_levels_depend_on_positions_alone),
+        cmocka_unit_test(dyadic_levels_round_up),
+        cmocka_unit_test(random_clamps_are_counted),
+        cmocka_unit_test(lengths_agree_with_double_precision),
+        cmocka_unit_test(uniform_levels),
+        cmocka_unit_test(frames_that_cannot_be_meant_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

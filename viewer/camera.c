@@ -1,0 +1,300 @@
+#include "camera.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "error.h"
+
+static const double pi = 3.14159265358979323846;
+
+// What must be in the picture: points are seen through a callback, so that nothing is stored.
+typedef struct points {
+    const girih_model *model;
+    const girih_instance *instances;
+    uint32_t instance_count;
+} points;
+
+// How far points reach along four directions: max of dot(direction, point).
+static void reach(const points *set, double directions[][3], uint32_t direction_count, double *reaches) {
+    for (uint32_t d = 0; d < direction_count; d++) {
+        reaches[d] = -INFINITY;
+    }
+    for (uint32_t n = 0; n < set->instance_count; n++) {
+        const girih_mesh *mesh = set->model->meshes[set->instances[n].mesh];
+        const float *t = set->instances[n].transform;
+        for (uint32_t d = 0; d < direction_count; d++) {
+            // The direction in mesh space.
+            const double *direction = directions[d];
+            double local[4];
+            for (int c = 0; c < 4; c++) {
+                local[c] = direction[0] * (double)t[c] + direction[1] * (double)t[4 + c] +
+                           direction[2] * (double)t[8 + c];
+            }
+            for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+                const float *p = mesh->positions + 3 * (size_t)v;
+                double along = local[0] * (double)p[0] + local[1] * (double)p[1] + local[2] * (double)p[2] + local[3];
+                reaches[d] = along > reaches[d] ? along : reaches[d];
+            }
+        }
+    }
+}
+
+static void cross(const double a[3], const double b[3], double c[3]) {
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static bool normalize(double a[3]) {
+    double length = sqrt(dot(a, a));
+    if (!(length > 0.0) || !isfinite(length)) {
+        return false;
+    }
+    for (int n = 0; n < 3; n++) {
+        a[n] /= length;
+    }
+    return true;
+}
+
+// The camera as it is worked out, in double.
+typedef struct camera {
+    double eye[3], right[3], up[3], back[3];
+    bool orthographic;
+    double half_height;   // of the picture at distance 1; orthographic: anywhere
+    double near, far;     // far 0: to be found
+} camera;
+
+// Right and up from back and the wanted up; another up where the two are parallel.
+static void complete_basis(camera *c, const float view_up[3]) {
+    double up[3] = {view_up[0], view_up[1], view_up[2]};
+    cross(up, c->back, c->right);
+    double length = sqrt(dot(up, up));
+    if (sqrt(dot(c->right, c->right)) < 1e-6 * length || !normalize(c->right)) {
+        double other[3] = {0.0, 0.0, fabs(c->back[2]) < 0.9 ? -1.0 : 0.0};
+        other[1] = other[2] != 0.0 ? 0.0 : 1.0;
+        cross(other, c->back, c->right);
+        normalize(c->right);
+    }
+    cross(c->back, c->right, c->up);
+    normalize(c->up);
+}
+
+// Moves the eye along `back` to where all points are inside the picture, and sideways to the middle of
+// them unless the camera has a point to look at. For one direction and slope s of the picture's side, a
+// point is inside where side·p - eye_side <= (eye_back - back·p) s, so the largest side·p + s back·p
+// decides.
+static void frame_points(camera *c, const points *set, double aspect, const double *focal_point) {
+    const double margin = 0.92;
+    double slope[2] = {c->half_height * aspect * margin, c->half_height * margin};
+    const double *sides[2] = {c->right, c->up};
+    double directions[4][3];
+    for (int side = 0; side < 2; side++) {
+        for (int n = 0; n < 3; n++) {
+            directions[2 * side][n] = sides[side][n] + slope[side] * c->back[n];
+            directions[2 * side + 1][n] = -sides[side][n] + slope[side] * c->back[n];
+        }
+    }
+    double reaches[4];
+    reach(set, directions, 4, reaches);
+    double distance = -INFINITY;
+    double middle[2];
+    for (int side = 0; side < 2; side++) {
+        double both = (reaches[2 * side] + reaches[2 * side + 1]) / (2.0 * slope[side]);
+        middle[side] = (reaches[2 * side] - reaches[2 * side + 1]) / 2.0;
+        if (focal_point != NULL) {
+            middle[side] = dot(sides[side], focal_point);
+            double first = (reaches[2 * side] - middle[side]) / slope[side];
+            double second = (reaches[2 * side + 1] + middle[side]) / slope[side];
+            both = first > second ? first : second;
+        }
+        distance = both > distance ? both : distance;
+    }
+    for (int n = 0; n < 3; n++) {
+        c->eye[n] = middle[0] * c->right[n] + middle[1] * c->up[n] + distance * c->back[n];
+    }
+}
+
+static void use_file_camera(camera *c, const girih_gltf_camera *source) {
+    const float *t = source->transform;
+    for (int n = 0; n < 3; n++) {
+        c->eye[n] = t[4 * n + 3];
+        c->back[n] = t[4 * n + 2];
+    }
+    if (!normalize(c->back)) {
+        c->back[2] = 1.0;
+    }
+    complete_basis(c, (const float[3]){t[1], t[5], t[9]});
+    c->orthographic = !source->perspective;
+    c->half_height = source->perspective ? tan((double)source->vertical_view_angle / 2.0)
+                                         : fabs((double)source->y_magnification);
+    c->near = source->near;
+    c->far = source->far;
+}
+
+static void use_options(camera *c, const girih_camera_options *options, const points *set, double aspect) {
+    double low[3], high[3];
+    double axes[6][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
+    double reaches[6];
+    reach(set, axes, 6, reaches);
+    double focal_point[3];
+    for (int n = 0; n < 3; n++) {
+        low[n] = -reaches[3 + n];
+        high[n] = reaches[n];
+        focal_point[n] = options->has_focal_point ? (double)options->focal_point[n] : (low[n] + high[n]) / 2.0;
+    }
+    c->half_height = tan((double)options->view_angle * (pi / 360.0));
+    if (options->has_position) {
+        for (int n = 0; n < 3; n++) {
+            c->eye[n] = options->position[n];
+            c->back[n] = c->eye[n] - focal_point[n];
+        }
+        if (!normalize(c->back)) {
+            c->back[2] = 1.0;
+        }
+        complete_basis(c, options->view_up);
+        return;
+    }
+    // Three quarters: from the front, from the right and from above, as `view up` says what above is.
+    double up[3] = {options->view_up[0], options->view_up[1], options->view_up[2]};
+    normalize(up);
+    double front[3] = {0.0, 0.0, 1.0};
+    if (fabs(dot(up, front)) > 0.9) {
+        front[1] = -1.0;
+        front[2] = 0.0;
+    }
+    double side[3];
+    cross(up, front, side);
+    normalize(side);
+    cross(side, up, front);
+    for (int n = 0; n < 3; n++) {
+        c->back[n] = front[n] + 0.55 * side[n] + 0.42 * up[n];
+    }
+    normalize(c->back);
+    complete_basis(c, options->view_up);
+    frame_points(c, set, aspect, options->has_focal_point ? focal_point : NULL);
+}
+
+// Near and far planes around all points, with room for surfaces that bulge out of them.
+static void find_depth(camera *c, const points *set) {
+    double directions[2][3];
+    for (int n = 0; n < 3; n++) {
+        directions[0][n] = c->back[n];
+        directions[1][n] = -c->back[n];
+    }
+    double reaches[2];
+    reach(set, directions, 2, reaches);
+    double eye = dot(c->back, c->eye);
+    double nearest = eye - reaches[0];
+    double farthest = eye + reaches[1];
+    double axes[6][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
+    double box[6];
+    reach(set, axes, 6, box);
+    double size = sqrt((box[0] + box[3]) * (box[0] + box[3]) + (box[1] + box[4]) * (box[1] + box[4]) +
+                       (box[2] + box[5]) * (box[2] + box[5]));
+    size = size > 0.0 ? size : 1.0;
+    c->far = farthest + 0.25 * size;
+    c->near = nearest - 0.25 * size;
+    if (!c->orthographic) {
+        double least = 1e-4 * (c->far > size ? c->far : size);
+        c->near = c->near > least ? c->near : least;
+    }
+    c->far = c->far > c->near ? c->far : c->near + size;
+}
+
+static void fill_view(girih_view *view, const camera *c, double aspect, uint32_t height) {
+    double view_matrix[4][4] = {{0}}; // columns
+    for (int n = 0; n < 3; n++) {
+        view_matrix[n][0] = c->right[n];
+        view_matrix[n][1] = c->up[n];
+        view_matrix[n][2] = c->back[n];
+    }
+    view_matrix[3][0] = -dot(c->right, c->eye);
+    view_matrix[3][1] = -dot(c->up, c->eye);
+    view_matrix[3][2] = -dot(c->back, c->eye);
+    view_matrix[3][3] = 1.0;
+    double projection[4][4] = {{0}};
+    double depth = c->far - c->near;
+    projection[0][0] = 1.0 / (c->half_height * aspect);
+    projection[1][1] = 1.0 / c->half_height;
+    if (c->orthographic) {
+        projection[2][2] = 1.0 / depth;
+        projection[3][2] = c->far / depth;
+        projection[3][3] = 1.0;
+    } else {
+        projection[2][2] = c->near / depth;
+        projection[3][2] = c->near * c->far / depth;
+        projection[2][3] = -1.0;
+    }
+    for (int column = 0; column < 4; column++) {
+        for (int row = 0; row < 4; row++) {
+            double sum = 0.0;
+            for (int k = 0; k < 4; k++) {
+                sum += projection[k][row] * view_matrix[column][k];
+            }
+            view->view_projection[column][row] = (float)sum;
+        }
+    }
+    // Gribb and Hartmann 2001: a clip-space half-space is a sum of the matrix's rows.
+    for (int column = 0; column < 4; column++) {
+        const float *m = view->view_projection[column];
+        view->planes[0][column] = m[3] + m[0];
+        view->planes[1][column] = m[3] - m[0];
+        view->planes[2][column] = m[3] + m[1];
+        view->planes[3][column] = m[3] - m[1];
+        view->planes[4][column] = m[2];
+        view->planes[5][column] = m[3] - m[2];
+    }
+    for (int n = 0; n < 3; n++) {
+        view->eye[n] = (float)(c->orthographic ? c->back[n] : c->eye[n]);
+        view->right[n] = (float)c->right[n];
+        view->up[n] = (float)c->up[n];
+        view->back[n] = (float)c->back[n];
+    }
+    view->orthographic = c->orthographic;
+    view->near_distance = (float)c->near;
+    view->pixels_per_unit = (float)((double)height / (2.0 * c->half_height));
+}
+
+static bool view_is_finite(const girih_view *view) {
+    bool is_finite = isfinite(view->near_distance) && isfinite(view->pixels_per_unit) &&
+                     view->pixels_per_unit > 0.0f && (view->orthographic || view->near_distance > 0.0f);
+    for (int n = 0; n < 16; n++) {
+        is_finite &= isfinite(view->view_projection[n / 4][n % 4]) != 0;
+    }
+    return is_finite;
+}
+
+girih_result girih_view_create(girih_view *view, const girih_camera_options *options, const girih_model *model,
+                               const girih_instance *instances, uint32_t instance_count, uint32_t width,
+                               uint32_t height, girih_error *error) {
+    points set = {model, instances, instance_count};
+    camera c = {0};
+    double aspect = (double)width / (double)height;
+    *view = (girih_view){0};
+    if (options->has_index) {
+        const girih_gltf_contents *contents = model->contents;
+        if (options->index >= contents->camera_count) {
+            return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "no camera %u: the file has %u", options->index,
+                              contents->camera_count);
+        }
+        use_file_camera(&c, &contents->cameras[options->index]);
+    } else {
+        use_options(&c, options, &set, aspect);
+    }
+    if (!(c.far > 0.0)) {
+        double near = c.near;
+        find_depth(&c, &set);
+        c.near = options->has_index ? near : c.near;
+        c.far = c.far > c.near ? c.far : 2.0 * c.near;
+    }
+    fill_view(view, &c, aspect, height);
+    if (!view_is_finite(view)) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
+                          "the camera cannot see a model of this size or place: set another one");
+    }
+    return GIRIH_OK;
+}

@@ -1,0 +1,59 @@
+// From a glTF file to prepared meshes: one girih_mesh per glTF mesh that has triangles.
+#ifndef GIRIH_VIEWER_MODEL_H
+#define GIRIH_VIEWER_MODEL_H
+
+#include "gltf.h"
+#include "girih/plan.h"
+
+// What the meshes are prepared for.
+typedef enum girih_model_purpose {
+    GIRIH_MODEL_DRAW,     // materials by glTF material; texture coordinates and colours as attributes
+    GIRIH_MODEL_REFINE,   // a material for every primitive; every attribute kept
+    GIRIH_MODEL_TOPOLOGY, // as REFINE, without attributes
+} girih_model_purpose;
+
+// One attribute of the layout that all meshes share.
+typedef struct girih_model_attribute {
+    const char *name;    // as in the file; belongs to it
+    uint32_t components; // the most that any primitive has
+    uint32_t first;      // float it begins at in a vertex's attributes
+} girih_model_attribute;
+
+#define GIRIH_MODEL_NONE UINT32_MAX
+
+typedef struct girih_model {
+    girih_gltf_model *file;
+    const girih_gltf_contents *contents;
+    girih_model_purpose purpose;
+
+    uint32_t mesh_count;
+    const girih_mesh **meshes; // [mesh_count]
+    uint32_t *mesh_source;     // [mesh_count] the glTF mesh
+    uint32_t *mesh_number;     // [contents->mesh_count] index into meshes, or GIRIH_MODEL_NONE
+
+    uint32_t attribute_floats;
+    uint32_t attribute_count;              // REFINE
+    girih_model_attribute *attributes;
+    uint32_t texcoord_float, color_float;  // DRAW: where they begin, or GIRIH_MODEL_NONE
+
+    uint32_t material_count;
+    int32_t *materials;        // [material_count] DRAW: the glTF material, -1: the default
+    uint32_t *first_material;  // [contents->mesh_count] REFINE: material of a mesh's first primitive
+} girih_model;
+
+// Loads a file and prepares its meshes; warnings go to standard error. A file without triangles is
+// refused, except for TOPOLOGY. On failure *model is empty, on success girih_model_free takes it.
+girih_result girih_model_load(girih_model *model, const char *path, girih_model_purpose purpose,
+                              girih_surface surface, float crease_degrees, girih_error *error);
+
+// Frees the prepared meshes alone, for when they are on the device and memory is wanted.
+void girih_model_free_meshes(girih_model *model);
+
+void girih_model_free(girih_model *model);
+
+// The instances of the file's placements; of every mesh once, untransformed, where placed is false.
+// On success *instances is the caller's to free.
+girih_result girih_model_instances(const girih_model *model, bool placed, girih_instance **instances,
+                                   uint32_t *instance_count, girih_error *error);
+
+#endif

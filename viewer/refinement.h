@@ -1,0 +1,34 @@
+// A frame of girih on a device, repeated with more room until it fits.
+#ifndef GIRIH_VIEWER_REFINEMENT_H
+#define GIRIH_VIEWER_REFINEMENT_H
+
+#include "device.h"
+#include "report.h"
+
+typedef struct girih_refinement_desc {
+    girih_device *device;
+    const girih_context *context;
+    const girih_scene *scene; // uploaded
+    const girih_instance *instances;
+    uint32_t instance_count;
+    girih_surface surface;
+    girih_mode mode;
+    uint32_t outputs;         // girih_output_bits
+    VkBufferUsageFlags vertex_usage, index_usage;
+} girih_refinement_desc;
+
+typedef struct girih_refinement {
+    girih_plan *plan; // the caller's to destroy
+    girih_statistics statistics;
+    girih_stage_times times;
+} girih_refinement;
+
+girih_result girih_refinement_run(girih_refinement *refinement, const girih_refinement_desc *desc,
+                                  const girih_frame *frame, girih_error *error);
+
+// A scene of the model's meshes, uploaded together with the context's catalogue.
+girih_result girih_refinement_scene(girih_device *device, const girih_context *context,
+                                    const girih_mesh *const *meshes, uint32_t mesh_count, girih_scene **scene,
+                                    girih_error *error);
+
+#endif

@@ -1,0 +1,406 @@
+// girih render: a refined model as a PNG.
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "error.h"
+#include "frame.h"
+#include "girih/cpu.h"
+#include "png.h"
+#include "refinement.h"
+#include "renderer.h"
+
+typedef struct render_options {
+    const char *model, *output;
+    girih_level_options levels;
+    girih_surface_options surface;
+    girih_camera_options camera;
+    girih_device_options device;
+    girih_mode_option mode;
+    girih_shade shade;
+    bool wireframe, beside_input, json;
+    bool has_back_face_color;
+    float back_face_color[3];
+} render_options;
+
+// --- Options ---------------------------------------------------------------------------------------------
+
+enum { KEY_MODE = GIRIH_KEY_OWN, KEY_SHADE, KEY_WIREFRAME, KEY_BACKFACE_COLOR, KEY_BESIDE_INPUT, KEY_JSON };
+
+static const struct argp_option own_options[] = {
+    {"output", 'o', "FILE", 0, "The PNG to write", 0},
+    {"mode", KEY_MODE, "instanced|baked|welded|auto", 0,
+     "How triangles reach the rasteriser; the picture is the same (auto)", 0},
+    {"shade", KEY_SHADE, "lit|normals|levels|patterns", 0,
+     "levels and patterns colour triangles by the largest edge level, or by base pattern; they are drawn in the "
+     "instanced mode whatever --mode says", 0},
+    {"wireframe", KEY_WIREFRAME, NULL, 0, "Draw the triangles' edges over the picture", 0},
+    {"backface-color", KEY_BACKFACE_COLOR, "R,G,B", 0,
+     "Draw back faces too, all in this flat colour (each from 0 to 1): cracks and flipped triangles show", 0},
+    {"beside-input", KEY_BESIDE_INPUT, NULL, 0, "Left half: the model as it is; right half: refined", 0},
+    {"json", KEY_JSON, NULL, 0, "Print one JSON object with counts and times", 0},
+    {NULL, 0, NULL, 0, NULL, 0}};
+
+static girih_shade read_shade(struct argp_state *state, const char *text) {
+    static const char *const names[] = {"lit", "normals", "levels", "patterns"};
+    for (int n = 0; n < 4; n++) {
+        if (strcmp(text, names[n]) == 0) {
+            return (girih_shade)n;
+        }
+    }
+    argp_error(state, "--shade: '%s' is none of lit, normals, levels, patterns", text);
+    return GIRIH_SHADE_LIT;
+}
+
+static void check_options(struct argp_state *state, const render_options *options) {
+    if (options->output == NULL) {
+        argp_error(state, "no -o FILE to write the picture to");
+    }
+    if (options->device.cpu && (options->shade == GIRIH_SHADE_LEVELS || options->shade == GIRIH_SHADE_PATTERNS)) {
+        argp_error(state, "--shade levels and patterns are drawn in the instanced mode, which --cpu has not");
+    }
+    if (options->device.cpu && options->mode == GIRIH_MODE_OPTION_INSTANCED) {
+        argp_error(state, "--mode instanced evaluates on the device, --cpu does not");
+    }
+    if (options->beside_input && options->camera.width < 2) {
+        argp_error(state, "--beside-input needs a picture at least 2 pixels wide");
+    }
+}
+
+static error_t parse(int key, char *argument, struct argp_state *state) {
+    render_options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->levels;
+        state->child_inputs[1] = &options->surface;
+        state->child_inputs[2] = &options->camera;
+        state->child_inputs[3] = &options->device;
+        return 0;
+    case 'o':
+        options->output = argument;
+        return 0;
+    case KEY_MODE:
+        options->mode = girih_option_mode(state, argument);
+        return 0;
+    case KEY_SHADE:
+        options->shade = read_shade(state, argument);
+        return 0;
+    case KEY_WIREFRAME:
+        options->wireframe = true;
+        return 0;
+    case KEY_BACKFACE_COLOR:
+        girih_option_vector(state, "backface-color", argument, options->back_face_color);
+        for (int n = 0; n < 3; n++) {
+            if (!(options->back_face_color[n] >= 0.0f && options->back_face_color[n] <= 1.0f)) {
+                argp_error(state, "--backface-color: '%s' is not three numbers from 0 to 1", argument);
+            }
+        }
+        options->has_back_face_color = true;
+        return 0;
+    case KEY_BESIDE_INPUT:
+        options->beside_input = true;
+        return 0;
+    case KEY_JSON:
+        options->json = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        girih_option_model(state, &options->model, argument);
+        return 0;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "no MODEL");
+        return 0;
+    case ARGP_KEY_END:
+        check_options(state, options);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&girih_level_argp, 0, NULL, 1},
+                                             {&girih_surface_argp, 0, NULL, 2},
+                                             {&girih_camera_argp, 0, NULL, 3},
+                                             {&girih_device_argp, 0, NULL, 4},
+                                             {NULL, 0, NULL, 0}};
+
+static const struct argp render_argp = {
+    own_options, parse, "MODEL -o OUT.png",
+    "Draws MODEL (.gltf or .glb), its triangles refined on the graphics device, into a PNG."
+    "\vExamples:\n"
+    "  girih render teapot.glb -o teapot.png\n"
+    "  girih render teapot.glb --beside-input --resolution 1600,700 -o both.png\n"
+    "  girih render teapot.glb --segments random:7:16 --catalogue linear --wireframe -o lines.png\n"
+    "  girih render city.gltf --camera-index 0 --edge-pixels 4 --json -o city.png\n"
+    "  girih render model.glb --backface-color 1,0,1 -o cracks.png\n",
+    children, NULL, NULL};
+
+// --- The work --------------------------------------------------------------------------------------------
+
+// Everything that lives as long as the picture is in the making.
+typedef struct session {
+    const render_options *options;
+    girih_catalogue_source catalogue;
+    girih_model model;
+    girih_instance *instances;
+    uint32_t instance_count;
+    girih_view view;
+    girih_device device;
+    bool is_device_open;
+    girih_context *context;
+    girih_scene *scene;
+    girih_mode mode;
+    girih_renderer *renderer;
+    girih_refinement refinements[2]; // the last is the refined one
+    girih_cpu_output outputs[2];
+    girih_device_buffer buffers[2][3];
+    girih_drawing drawings[2];
+    uint32_t drawing_count;
+    girih_statistics statistics;
+    girih_stage_times times;
+} session;
+
+static bool is_by_range(girih_shade shade) {
+    return shade == GIRIH_SHADE_LEVELS || shade == GIRIH_SHADE_PATTERNS;
+}
+
+static girih_result choose_mode(session *s, girih_error *error) {
+    const render_options *options = s->options;
+    bool can_instance = s->device.features.multiDrawIndirect && s->device.features.drawIndirectFirstInstance;
+    bool must_instance = options->mode == GIRIH_MODE_OPTION_INSTANCED || is_by_range(options->shade);
+    if (must_instance && !can_instance) {
+        return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
+                          "%s: %s draws neither several indirect commands at once nor from a first instance "
+                          "(multiDrawIndirect, drawIndirectFirstInstance); %s",
+                          is_by_range(options->shade) ? "--shade levels and patterns" : "--mode instanced",
+                          s->device.properties.deviceName,
+                          is_by_range(options->shade) ? "use another --shade" : "use --mode baked");
+    }
+    if (must_instance) {
+        s->mode = GIRIH_MODE_INSTANCED;
+    } else if (options->mode == GIRIH_MODE_OPTION_AUTO) {
+        bool is_cpu = s->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+        s->mode = is_cpu || !can_instance || options->device.cpu ? GIRIH_MODE_BAKED : GIRIH_MODE_INSTANCED;
+    } else {
+        s->mode = options->mode == GIRIH_MODE_OPTION_BAKED ? GIRIH_MODE_BAKED : GIRIH_MODE_WELDED;
+    }
+    return GIRIH_OK;
+}
+
+static girih_result open_device(session *s, girih_error *error) {
+    VkPhysicalDeviceFeatures wanted = {.fillModeNonSolid = s->options->wireframe};
+    girih_result result = girih_device_open(&s->device, &s->options->device, true, &wanted, error);
+    if (result != GIRIH_OK) {
+        return result;
+    }
+    s->is_device_open = true;
+    if (s->options->wireframe && !s->device.features.fillModeNonSolid) {
+        return girih_fail(error, GIRIH_ERROR_UNSUPPORTED, "--wireframe: %s does not draw lines (fillModeNonSolid)",
+                          s->device.properties.deviceName);
+    }
+    result = choose_mode(s, error);
+    if (result != GIRIH_OK || s->options->device.cpu) {
+        return result;
+    }
+    result = girih_device_context(&s->device, s->catalogue.catalogue, &s->context, error);
+    if (result == GIRIH_OK) {
+        result = girih_refinement_scene(&s->device, s->context, s->model.meshes, s->model.mesh_count, &s->scene,
+                                        error);
+    }
+    return result;
+}
+
+static girih_result upload(session *s, girih_device_buffer *buffer, const void *bytes, VkDeviceSize size,
+                           VkBufferUsageFlags usage, girih_error *error) {
+    girih_result result = girih_device_buffer_create(
+        &s->device, buffer, size, usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, GIRIH_MEMORY_DEVICE, error);
+    return result == GIRIH_OK ? girih_device_write(&s->device, buffer->buffer, bytes, size, error) : result;
+}
+
+static girih_result refine_on_cpu(session *s, uint32_t number, girih_surface surface, const girih_frame *frame,
+                                  girih_error *error) {
+    girih_cpu_output *output = &s->outputs[number];
+    girih_cpu_desc desc = {
+        .catalogue = s->catalogue.catalogue,
+        .meshes = s->model.meshes,
+        .mesh_count = s->model.mesh_count,
+        .instances = s->instances,
+        .instance_count = s->instance_count,
+        .surface = surface,
+        .mode = s->mode,
+        .outputs = GIRIH_OUTPUT_INDICES,
+    };
+    girih_report_progress("refining");
+    double start = girih_seconds();
+    girih_result result = girih_cpu_refine(&desc, frame, output, error);
+    if (result != GIRIH_OK) {
+        return result;
+    }
+    s->times = girih_no_times;
+    s->times.wall = (girih_seconds() - start) * 1e3;
+    s->statistics = output->statistics;
+    VkDeviceSize vertices = output->statistics.output_vertices;
+    girih_device_buffer *buffers = s->buffers[number];
+    result = upload(s, &buffers[0], output->positions, vertices * 12, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, error);
+    if (result == GIRIH_OK) {
+        result = upload(s, &buffers[1], output->attributes, vertices * 4 * (3 + output->attribute_floats),
+                        VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, error);
+    }
+    if (result == GIRIH_OK) {
+        result = upload(s, &buffers[2], output->indices, (VkDeviceSize)output->statistics.output_triangles * 12,
+                        VK_BUFFER_USAGE_INDEX_BUFFER_BIT, error);
+    }
+    s->drawings[number].positions = buffers[0].buffer;
+    s->drawings[number].attributes = buffers[1].buffer;
+    s->drawings[number].indices = buffers[2].buffer;
+    s->drawings[number].material_first = output->material_first;
+    return result;
+}
+
+static girih_result refine_on_device(session *s, uint32_t number, girih_surface surface, const girih_frame *frame,
+                                     girih_error *error) {
+    girih_refinement_desc desc = {
+        .device = &s->device,
+        .context = s->context,
+        .scene = s->scene,
+        .instances = s->instances,
+        .instance_count = s->instance_count,
+        .surface = surface,
+        .mode = s->mode,
+    };
+    girih_result result = girih_refinement_run(&s->refinements[number], &desc, frame, error);
+    s->drawings[number].plan = s->refinements[number].plan;
+    s->statistics = s->refinements[number].statistics;
+    s->times = s->refinements[number].times;
+    return result;
+}
+
+static girih_result add_drawing(session *s, girih_surface surface, const girih_frame *frame, uint32_t x,
+                                uint32_t width, girih_error *error) {
+    uint32_t number = s->drawing_count++;
+    s->drawings[number] = (girih_drawing){.mode = s->mode, .surface = surface, .x = x, .width = width};
+    return s->options->device.cpu ? refine_on_cpu(s, number, surface, frame, error)
+                                  : refine_on_device(s, number, surface, frame, error);
+}
+
+static girih_result add_drawings(session *s, girih_error *error) {
+    const render_options *options = s->options;
+    uint32_t width = options->camera.width;
+    uint32_t half = width / 2;
+    girih_frame frame = girih_frame_from_options(&options->levels, &s->view);
+    frame.cull_frustum = 1;
+    frame.cull_back = !options->has_back_face_color;
+    girih_result result = GIRIH_OK;
+    if (options->beside_input) {
+        girih_frame input = frame;
+        input.rule = GIRIH_LEVEL_SEGMENTS;
+        input.segments = 1;
+        result = add_drawing(s, GIRIH_SURFACE_FLAT, &input, 0, half, error);
+    }
+    if (result == GIRIH_OK) {
+        uint32_t x = options->beside_input ? width - half : 0;
+        result = add_drawing(s, options->surface.surface, &frame, x, options->beside_input ? half : width, error);
+    }
+    return result;
+}
+
+static girih_result draw(session *s, girih_error *error) {
+    const render_options *options = s->options;
+    girih_renderer_desc desc = {
+        .device = &s->device,
+        .context = s->context,
+        .catalogue = s->catalogue.catalogue,
+        .model = &s->model,
+        .view = &s->view,
+        .width = options->camera.width,
+        .height = options->camera.height,
+        .shade = options->shade,
+        .wireframe = options->wireframe,
+        .has_back_face_color = options->has_back_face_color,
+    };
+    memcpy(desc.back_face_color, options->back_face_color, sizeof desc.back_face_color);
+    uint8_t *rgba = malloc((size_t)desc.width * desc.height * 4);
+    if (rgba == NULL) {
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
+    }
+    girih_report_progress("drawing");
+    girih_result result = girih_renderer_create(&desc, &s->renderer, error);
+    if (result == GIRIH_OK) {
+        result = girih_renderer_draw(s->renderer, s->drawings, s->drawing_count, rgba, &s->times.draw, error);
+    }
+    char message[sizeof error->message];
+    if (result == GIRIH_OK &&
+        !girih_png_write(options->output, desc.width, desc.height, rgba, message, sizeof message)) {
+        result = girih_fail(error, GIRIH_ERROR_INVALID_DATA, "%s", message);
+    }
+    girih_report_progress(NULL);
+    free(rgba);
+    return result;
+}
+
+static girih_result make_picture(session *s, girih_error *error) {
+    const render_options *options = s->options;
+    girih_result result = girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
+    if (result == GIRIH_OK) {
+        result = girih_model_load(&s->model, options->model, GIRIH_MODEL_DRAW, options->surface.surface,
+                                  options->surface.crease_degrees, error);
+    }
+    if (result == GIRIH_OK) {
+        result = girih_model_instances(&s->model, true, &s->instances, &s->instance_count, error);
+    }
+    if (result == GIRIH_OK) {
+        uint32_t width = options->beside_input ? options->camera.width / 2 : options->camera.width;
+        result = girih_view_create(&s->view, &options->camera, &s->model, s->instances, s->instance_count, width,
+                                   options->camera.height, error);
+    }
+    if (result == GIRIH_OK) {
+        result = open_device(s, error);
+    }
+    if (result == GIRIH_OK) {
+        result = add_drawings(s, error);
+    }
+    if (result == GIRIH_OK) {
+        result = draw(s, error);
+    }
+    return result;
+}
+
+static void close_session(session *s) {
+    if (s->is_device_open) {
+        girih_renderer_destroy(s->renderer);
+        for (uint32_t n = 0; n < s->drawing_count; n++) {
+            girih_plan_destroy(s->refinements[n].plan);
+            for (int k = 0; k < 3; k++) {
+                girih_device_buffer_destroy(&s->device, &s->buffers[n][k]);
+            }
+            girih_cpu_output_free(&s->outputs[n]);
+        }
+        girih_scene_destroy(s->scene);
+        girih_context_destroy(s->context);
+        girih_device_close(&s->device);
+    }
+    free(s->instances);
+    girih_model_free(&s->model);
+    girih_catalogue_source_free(&s->catalogue);
+}
+
+int girih_command_render(int argc, char **argv) {
+    render_options options = {0};
+    girih_options_parse(&render_argp, argc, argv, &options);
+    session s = {.options = &options};
+    girih_error error = {.result = GIRIH_OK};
+    girih_result result = make_picture(&s, &error);
+    char device[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE + 32];
+    snprintf(device, sizeof device, "%s%s", options.device.cpu ? "CPU, drawn by " : "",
+             s.device.properties.deviceName);
+    close_session(&s);
+    if (result != GIRIH_OK) {
+        return girih_report_failure(options.model, error.message);
+    }
+    int code = GIRIH_EXIT_DONE;
+    if (options.json) {
+        code = girih_report_print(girih_report_json(device, girih_mode_name(s.mode), &s.statistics, &s.times));
+    } else {
+        girih_report_text(device, girih_mode_name(s.mode), &s.statistics, &s.times);
+    }
+    return s.device.validation_messages != 0 ? GIRIH_EXIT_FAILED : code;
+}
