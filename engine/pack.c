@@ -94,6 +94,11 @@ static girih_result pack_rule(girih_frame_block *block, const girih_frame *frame
         block->random_segments = frame->segments > 0 ? frame->segments : 1;
         block->seed = frame->seed;
         return GIRIH_OK;
+    case GIRIH_LEVEL_RANDOM_LEVEL:
+        block->rule = GIRIH_LEVELS_RANDOM_LEVEL;
+        block->random_segments = frame->segments < UINT32_MAX ? frame->segments + 1 : UINT32_MAX;
+        block->seed = frame->seed;
+        return GIRIH_OK;
     case GIRIH_LEVEL_EDGE_PIXELS:
         return pack_pixels(block, frame, error);
     case GIRIH_LEVEL_EDGE_LENGTH:

@@ -46,7 +46,11 @@ void main() {
     uint level = 0u;
     uint last = frame.level_count - 1u;
     bool clamped;
-    if (frame.rule == GIRIH_LEVELS_RANDOM) {
+    if (frame.rule == GIRIH_LEVELS_RANDOM_LEVEL) {
+        uint wanted = hash_edge(frame.seed, a, b) % frame.random_segments;
+        level = min(wanted, last);
+        clamped = wanted > last;
+    } else if (frame.rule == GIRIH_LEVELS_RANDOM) {
         uint segments = 1u + hash_edge(frame.seed, a, b) % frame.random_segments;
         while (level < last && level_segments(level) < segments) {
             ++level;

@@ -139,6 +139,7 @@
 #define GIRIH_LEVELS_RANDOM 1u
 #define GIRIH_LEVELS_LENGTH 2u          // world length against the distance to the eye
 #define GIRIH_LEVELS_OBJECT_LENGTH 3u   // mesh-space length
+#define GIRIH_LEVELS_RANDOM_LEVEL 4u    // the hash modulo random_segments is the level itself
 
 #define GIRIH_CULL_FRUSTUM 1u
 #define GIRIH_CULL_BACK 2u

@@ -43,7 +43,7 @@ static uint32_t replicas_of(const girih_base_pattern *pattern) {
     return replicas > 1 ? replicas : 1;
 }
 
-// Puts random numbers of items into every `sparse`-th group or so.
+// Puts random numbers of items into every `sparse`-th group or so, of up to `most` triangles each.
 static void fill_groups(stages *s, uint64_t *random, uint32_t sparse, uint32_t most) {
     uint32_t item = 0;
     memset(s->arrays.words[GIRIH_BIND_STATUS], 0,
@@ -52,7 +52,11 @@ static void fill_groups(stages *s, uint64_t *random, uint32_t sparse, uint32_t m
            (size_t)s->arrays.count[GIRIH_BIND_GROUPS] * sizeof(uint32_t));
     for (uint32_t group = 0; group < s->arrays.frame.group_count; ++group) {
         if (draw_number(random) % sparse == 0) {
-            const uint32_t count = 1 + draw_number(random) % most;
+            const uint32_t *patterns = s->arrays.words[GIRIH_BIND_PATTERNS];
+            const uint32_t range = group % s->arrays.frame.range_count;
+            const uint32_t rank = patterns[s->arrays.frame.pattern_count * GIRIH_PATTERN_WORDS + range];
+            const uint32_t triangles = patterns[rank * GIRIH_PATTERN_WORDS + GIRIH_PATTERN_TRIANGLES];
+            const uint32_t count = 1 + draw_number(random) % (1 + most / triangles);
             group_words(s, group)[GIRIH_GROUP_FIRST] = item;
             group_words(s, group)[GIRIH_GROUP_END] = item + count;
             item += count;
@@ -154,7 +158,7 @@ static void sums_are_right(void **state) {
                                 (girih_plan_shape){.mode = (girih_mode)mode,
                                                    .outputs = GIRIH_OUTPUT_NO_DRAW});
         for (int n = 0; n < 20; ++n) {
-            fill_groups(&s, &random, 1u + (uint32_t)n, 200);
+            fill_groups(&s, &random, 1u + (uint32_t)n, 20000);
             uint32_t *counts = group_counts(&s);
             girih_twin_dispatch(&s.arrays);
             const expectation e = expect(&s, catalogue, counts);
@@ -184,7 +188,7 @@ static void overflow_draws_level_0(void **state) {
                                 (girih_plan_shape){.mode = (girih_mode)mode,
                                                    .outputs = GIRIH_OUTPUT_NO_DRAW});
         for (int n = 0; n < 20; ++n) {
-            fill_groups(&s, &random, 1u + (uint32_t)n, 50);
+            fill_groups(&s, &random, 1u + (uint32_t)n, 5000);
             const uint32_t items = s.arrays.words[GIRIH_BIND_STATUS][GIRIH_STATUS_ITEMS];
             uint32_t *counts = group_counts(&s);
             uint32_t *groups = girih_allocate_array((size_t)s.arrays.count[GIRIH_BIND_GROUPS],
@@ -238,7 +242,7 @@ static void sums_are_64_bits_wide(void **state) {
                             (girih_plan_shape){.mode = GIRIH_MODE_BAKED,
                                                .outputs = GIRIH_OUTPUT_NO_DRAW});
     uint64_t random = 5;
-    fill_groups(&s, &random, 1, 10000000);
+    fill_groups(&s, &random, 1, 300000000);
     uint64_t triangles = 0, vertices = 0;
     for (uint32_t group = 0; group < s.arrays.frame.group_count; ++group) {
         int mirrored = 0;
@@ -249,7 +253,7 @@ static void sums_are_64_bits_wide(void **state) {
         triangles += count * pattern->triangle_count;
         vertices += count * pattern->vertex_count;
     }
-    assert_true(triangles > (uint64_t)UINT32_MAX * 100);
+    assert_true(triangles > (uint64_t)UINT32_MAX * 3);
     girih_twin_dispatch(&s.arrays);
     const girih_statistics statistics = stages_statistics(&s);
     assert_int_equal(statistics.needed_triangles, triangles);
@@ -328,7 +332,7 @@ static void draws_cover_everything_once(void **state) {
     assert_int_equal(welded.arrays.count[GIRIH_BIND_DRAWS], 5 * frame->material_count);
     uint32_t fitting = 0;
     for (int n = 0; n < 30; ++n) {
-        fill_groups(&baked, &random, 1u + (uint32_t)n, 10u + 400u * (uint32_t)n);
+        fill_groups(&baked, &random, 1u + (uint32_t)n, 5000u + 12000u * (uint32_t)n);
         uint32_t *counts = group_counts(&baked);
         for (stages *s = &instanced; s; s = s == &instanced ? &welded : NULL) {
             memcpy(s->arrays.words[GIRIH_BIND_STATUS], baked.arrays.words[GIRIH_BIND_STATUS],

@@ -275,6 +275,21 @@ const girih_mesh *make_seam_sphere(uint32_t columns, uint32_t rows) {
     return finish(&b, "seam sphere", submeshes, 2);
 }
 
+// Whether a triangle with these three vertices is there, whatever its winding.
+static int has_triangle(const builder *b, const uint32_t v[3]) {
+    for (uint32_t n = 0; n < b->index_count; n += 3) {
+        const uint32_t *other = b->indices + n;
+        int common = 0;
+        for (int corner = 0; corner < 3; ++corner) {
+            common += v[corner] == other[0] || v[corner] == other[1] || v[corner] == other[2];
+        }
+        if (common == 3) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 const girih_mesh *make_soup(uint32_t triangles, uint32_t points, uint64_t seed) {
     uint64_t state = seed * 2 + 1;
     builder b = begin(points > 0 ? points : 3 * triangles, triangles);
@@ -292,7 +307,7 @@ const girih_mesh *make_soup(uint32_t triangles, uint32_t points, uint64_t seed) 
             for (int corner = 0; corner < 3; ++corner) {
                 v[corner] = draw_number(&state) % points;
             }
-            if (v[0] != v[1] && v[1] != v[2] && v[2] != v[0]) {
+            if (v[0] != v[1] && v[1] != v[2] && v[2] != v[0] && !has_triangle(&b, v)) {
                 break;
             }
         }

@@ -27,7 +27,8 @@ const girih_mesh *make_cube(int hard);
 const girih_mesh *make_seam_sphere(uint32_t columns, uint32_t rows);
 
 // Triangles between random points with random normals: open, non-manifold and flipped edges, and
-// three submeshes. With `points` 0 every triangle has three points of its own.
+// three submeshes; no two triangles have the same three points. With `points` 0 every triangle has
+// three points of its own.
 const girih_mesh *make_soup(uint32_t triangles, uint32_t points, uint64_t seed);
 
 // One triangle (0,0,0), (1,0,0), (0,1,0).

@@ -118,6 +118,57 @@ static void frame_points(camera *c, const points *set, double aspect, const doub
     }
 }
 
+// The area that a triangle, placed by t, turns towards a direction; negative where it turns its back.
+static double facing_area(const girih_mesh *mesh, uint32_t triangle, const float t[12], const double direction[3]) {
+    double corners[3][3], along[2][3], normal[3];
+    for (int k = 0; k < 3; k++) {
+        const float *p = mesh->positions + 3 * (size_t)mesh->triangle_vertices[3 * (size_t)triangle + (size_t)k];
+        for (int n = 0; n < 3; n++) {
+            const float *row = t + 4 * n;
+            corners[k][n] = (double)row[0] * (double)p[0] + (double)row[1] * (double)p[1] +
+                            (double)row[2] * (double)p[2] + (double)row[3];
+        }
+    }
+    for (int n = 0; n < 3; n++) {
+        along[0][n] = corners[1][n] - corners[0][n];
+        along[1][n] = corners[2][n] - corners[0][n];
+    }
+    cross(along[0], along[1], normal);
+    return dot(normal, direction);
+}
+
+static bool is_mirroring(const float t[12]) {
+    double columns[3][3], product[3];
+    for (int n = 0; n < 3; n++) {
+        for (int k = 0; k < 3; k++) {
+            columns[n][k] = t[4 * k + n];
+        }
+    }
+    cross(columns[0], columns[1], product);
+    return dot(product, columns[2]) < 0.0;
+}
+
+// Whether next to nothing is to be seen from a direction, and more from the other side: a sheet of
+// single-sided triangles that turns its back.
+static bool turns_its_back(const points *set, const double direction[3]) {
+    double front = 0.0;
+    double back = 0.0;
+    for (uint32_t n = 0; n < set->instance_count; n++) {
+        const girih_mesh *mesh = set->model->meshes[set->instances[n].mesh];
+        const float *t = set->instances[n].transform;
+        double sign = is_mirroring(t) ? -1.0 : 1.0;
+        for (uint32_t s = 0; s < mesh->submesh_count; s++) {
+            const girih_submesh *range = &mesh->submeshes[s];
+            for (uint32_t i = 0; i < range->index_count; i += 3) {
+                double area = sign * facing_area(mesh, (range->first_index + i) / 3, t, direction);
+                front += area > 0.0 || range->two_sided ? fabs(area) : 0.0;
+                back += area < 0.0 || range->two_sided ? fabs(area) : 0.0;
+            }
+        }
+    }
+    return front < 0.1 * back;
+}
+
 static void use_file_camera(camera *c, const girih_gltf_camera *source) {
     const float *t = source->transform;
     for (int n = 0; n < 3; n++) {
@@ -174,6 +225,11 @@ static void use_options(camera *c, const girih_camera_options *options, const po
         c->back[n] = front[n] + 0.55 * side[n] + 0.42 * up[n];
     }
     normalize(c->back);
+    if (turns_its_back(set, c->back)) {
+        for (int n = 0; n < 3; n++) {
+            c->back[n] = -c->back[n];
+        }
+    }
     complete_basis(c, options->view_up);
     frame_points(c, set, aspect, options->has_focal_point ? focal_point : NULL);
 }

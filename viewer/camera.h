@@ -17,7 +17,8 @@ typedef struct girih_view {
 } girih_view;
 
 // The view of a model's instances in a picture, or a part of one, of width x height pixels. Without
-// options it looks from the front, a little from the right and above, as near as shows all of it.
+// options it looks from the front, a little from the right and above, as near as shows all of it; from
+// the other side where the model turns its back to the front.
 girih_result girih_view_create(girih_view *view, const girih_camera_options *options, const girih_model *model,
                                const girih_instance *instances, uint32_t instance_count, uint32_t width,
                                uint32_t height, girih_error *error);

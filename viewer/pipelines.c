@@ -78,7 +78,7 @@ static void describe_buffers(const girih_pipelines *pipelines, buffer_input *inp
 
 static VkPipelineColorBlendAttachmentState blend_state(const girih_pipeline_key *key) {
     return (VkPipelineColorBlendAttachmentState){
-        .blendEnable = !key->background && key->alpha_mode == GIRIH_GLTF_ALPHA_BLEND,
+        .blendEnable = !key->background && (key->line || key->alpha_mode == GIRIH_GLTF_ALPHA_BLEND),
         .srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA,
         .dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
         .colorBlendOp = VK_BLEND_OP_ADD,

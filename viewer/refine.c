@@ -105,6 +105,19 @@ static girih_result no_memory(girih_error *error) {
     return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory; ask for fewer segments");
 }
 
+// The library frees what it made; what was read from a device is the program's own.
+static void free_output(session *s) {
+    if (s->options->device.cpu) {
+        girih_cpu_output_free(&s->output);
+    } else {
+        free(s->output.positions);
+        free(s->output.attributes);
+        free(s->output.indices);
+        free(s->output.material_first);
+    }
+    s->output = (girih_cpu_output){0};
+}
+
 static girih_result refine_on_cpu(session *s, girih_error *error) {
     girih_cpu_desc desc = {
         .catalogue = s->catalogue.catalogue,
@@ -383,7 +396,7 @@ static girih_result write_model(session *s, girih_error *error) {
     girih_result result = arrays == NULL || refined == NULL || meshes == NULL
                               ? no_memory(error)
                               : fill_primitives(s, arrays, refined, meshes, error);
-    girih_cpu_output_free(&s->output);
+    free_output(s);
     if (result == GIRIH_OK) {
         girih_report_progress("writing");
         char message[sizeof error->message];
@@ -458,7 +471,7 @@ int girih_command_refine(int argc, char **argv) {
         result = write_model(&s, &error);
         file = options.output;
     }
-    girih_cpu_output_free(&s.output);
+    free_output(&s);
     free(s.instances);
     girih_model_free(&s.model);
     girih_catalogue_source_free(&s.catalogue);

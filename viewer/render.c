@@ -129,7 +129,7 @@ static const struct argp render_argp = {
     "\vExamples:\n"
     "  girih render teapot.glb -o teapot.png\n"
     "  girih render teapot.glb --beside-input --resolution 1600,700 -o both.png\n"
-    "  girih render teapot.glb --segments random:7:16 --catalogue linear --wireframe -o lines.png\n"
+    "  girih render teapot.glb --segments random:7:16 --wireframe -o lines.png\n"
     "  girih render city.gltf --camera-index 0 --edge-pixels 4 --json -o city.png\n"
     "  girih render model.glb --backface-color 1,0,1 -o cracks.png\n",
     children, NULL, NULL};
@@ -139,6 +139,7 @@ static const struct argp render_argp = {
 // Everything that lives as long as the picture is in the making.
 typedef struct session {
     const render_options *options;
+    const char *file; // that a failure is about
     girih_catalogue_source catalogue;
     girih_model model;
     girih_instance *instances;
@@ -331,6 +332,7 @@ static girih_result draw(session *s, girih_error *error) {
     if (result == GIRIH_OK &&
         !girih_png_write(options->output, desc.width, desc.height, rgba, message, sizeof message)) {
         result = girih_fail(error, GIRIH_ERROR_INVALID_DATA, "%s", message);
+        s->file = options->output;
     }
     girih_report_progress(NULL);
     free(rgba);
@@ -386,7 +388,7 @@ static void close_session(session *s) {
 int girih_command_render(int argc, char **argv) {
     render_options options = {0};
     girih_options_parse(&render_argp, argc, argv, &options);
-    session s = {.options = &options};
+    session s = {.options = &options, .file = options.model};
     girih_error error = {.result = GIRIH_OK};
     girih_result result = make_picture(&s, &error);
     char device[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE + 32];
@@ -394,7 +396,7 @@ int girih_command_render(int argc, char **argv) {
              s.device.properties.deviceName);
     close_session(&s);
     if (result != GIRIH_OK) {
-        return girih_report_failure(options.model, error.message);
+        return girih_report_failure(s.file, error.message);
     }
     int code = GIRIH_EXIT_DONE;
     if (options.json) {

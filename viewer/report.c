@@ -10,7 +10,9 @@ static int progress_shown;
 
 int girih_report_failure(const char *file, const char *what) {
     girih_report_progress(NULL);
-    if (file != NULL) {
+    // Messages about reading and writing begin with the file already.
+    size_t length = file != NULL ? strlen(file) : 0;
+    if (file != NULL && (strncmp(what, file, length) != 0 || what[length] != ':')) {
         fprintf(stderr, "girih: %s: %s\n", file, what);
     } else {
         fprintf(stderr, "girih: %s\n", what);

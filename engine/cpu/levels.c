@@ -33,8 +33,13 @@ static uint32_t level_segments(const girih_frame_block *frame, uint32_t level) {
 
 static uint32_t random_level(const girih_arrays *arrays, uint32_t a, uint32_t b, bool *clamped) {
     const girih_frame_block *frame = &arrays->frame;
-    const uint32_t segments = 1 + hash_edge(arrays, frame->seed, a, b) % frame->random_segments;
+    const uint32_t drawn = hash_edge(arrays, frame->seed, a, b) % frame->random_segments;
     const uint32_t last = frame->level_count - 1;
+    if (frame->rule == GIRIH_LEVELS_RANDOM_LEVEL) {
+        *clamped = drawn > last;
+        return *clamped ? last : drawn;
+    }
+    const uint32_t segments = 1 + drawn;
     uint32_t level = 0;
     while (level < last && level_segments(frame, level) < segments) {
         ++level;
@@ -90,7 +95,7 @@ void girih_twin_levels(girih_arrays *arrays) {
             edge - girih_instance_word(arrays, instance, GIRIH_INSTANCE_EDGE_DELTA);
         const uint32_t *points = arrays->words[GIRIH_BIND_EDGE_POINTS] + 2 * (size_t)scene_edge;
         bool clamped = false;
-        levels[edge] = frame->rule == GIRIH_LEVELS_RANDOM
+        levels[edge] = frame->rule == GIRIH_LEVELS_RANDOM || frame->rule == GIRIH_LEVELS_RANDOM_LEVEL
                            ? random_level(arrays, points[0], points[1], &clamped)
                            : length_level(arrays, instance, points[0], points[1], &clamped);
         if (clamped) {

@@ -86,7 +86,7 @@ void main() {
     }
     float alpha = IS_BLEND ? base.a : 1.0;
     if (IS_LINE) {
-        out_color = vec4(from_srgb(vec3(0.07, 0.09, 0.13)), 1.0);
+        out_color = vec4(from_srgb(vec3(0.07, 0.09, 0.13)), 0.6);
         return;
     }
     if (picture.back_face.a > 0.0 && !gl_FrontFacing) {
@@ -124,7 +124,7 @@ void main() {
     color += diffuse * surroundings(n, 1.0) * 0.42;
     vec3 mirrored = reflect(-v, n);
     color += surroundings_specular(f0, rough, max(dot(n, v), 0.0)) *
-             surroundings(mix(mirrored, n, rough * rough), rough) * 0.75;
+             surroundings(mix(mirrored, n, rough * rough), rough) * 0.6;
     color += material.emissive.rgb;
     out_color = vec4(tone_map(color), alpha);
 }

@@ -38,6 +38,8 @@ typedef enum girih_level_rule {
     GIRIH_LEVEL_RANDOM = 1,      // 1..segments per edge, from a hash of its end positions and `seed`
     GIRIH_LEVEL_EDGE_PIXELS = 2, // `length` pixels a segment on the screen
     GIRIH_LEVEL_EDGE_LENGTH = 3, // `length` mesh units a segment
+    GIRIH_LEVEL_RANDOM_LEVEL = 4, // catalogue level 0..segments per edge, from the same hash: the
+                                 // measure of ARKFPI's Table 3
 } girih_level_rule;
 
 // One view of one frame. {0}: every edge one segment, nothing culled.
