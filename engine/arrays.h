@@ -51,6 +51,7 @@ typedef struct girih_scene_table {
     uint32_t mesh_count;
     uint32_t material_count;   // the largest material and one; at least 1
     uint32_t attribute_floats;
+    uint32_t seam_count;       // of all meshes
 } girih_scene_table;
 
 // Fills the scene's arrays (VERTICES to EDGE_WELD_EDGES) and the frame's material_count and

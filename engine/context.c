@@ -5,21 +5,6 @@
 #include "error.h"
 #include "memory.h"
 
-#define GIRIH_SHADERS_WANT_CODE
-#include "shader_list.h"
-
-typedef struct shader_code {
-    const uint32_t *words;
-    size_t bytes;
-} shader_code;
-
-static const shader_code shaders[GIRIH_SHADER_COUNT][2] = {
-#define GIRIH_SHADER_CODE(NAME) \
-    {{girih_spirv_##NAME, sizeof girih_spirv_##NAME}, {girih_spirv_##NAME##_few, sizeof girih_spirv_##NAME##_few}},
-    GIRIH_SHADERS(GIRIH_SHADER_CODE)
-#undef GIRIH_SHADER_CODE
-};
-
 girih_requirements girih_get_requirements(void) {
     return (girih_requirements){
         .api_version = VK_API_VERSION_1_1,
@@ -97,61 +82,6 @@ static girih_result create_layouts(girih_context *context, girih_error *error) {
     return result == VK_SUCCESS ? GIRIH_OK : girih_vulkan_failed(error, "creating layouts", "context", result);
 }
 
-// Whether a context needs a shader at all: compiling one takes the driver tens of milliseconds.
-static bool shader_wanted(const girih_context *context, uint32_t shader) {
-    switch (shader) {
-    case GIRIH_SHADER_select_flat:
-    case GIRIH_SHADER_evaluate_patches_flat:
-    case GIRIH_SHADER_evaluate_points_flat:
-        return context->surfaces & 1u << GIRIH_SURFACE_FLAT;
-    case GIRIH_SHADER_select_pn:
-    case GIRIH_SHADER_evaluate_patches_pn:
-    case GIRIH_SHADER_evaluate_points_pn:
-        return context->surfaces & 1u << GIRIH_SURFACE_PN;
-    case GIRIH_SHADER_group_count_serial:
-    case GIRIH_SHADER_group_blocks_serial:
-    case GIRIH_SHADER_group_place_serial:
-        return context->serial_sort;
-    case GIRIH_SHADER_group_count_workgroup:
-    case GIRIH_SHADER_group_blocks_workgroup:
-    case GIRIH_SHADER_group_place_workgroup:
-        return !context->serial_sort;
-    default:
-        return true;
-    }
-}
-
-static girih_result create_pipelines(girih_context *context, VkPipelineCache cache, girih_error *error) {
-    const girih_functions *vk = &context->vk;
-    for (uint32_t n = 0; n < GIRIH_SHADER_COUNT; ++n) {
-        if (!shader_wanted(context, n)) {
-            continue;
-        }
-        const shader_code code = shaders[n][context->few_buffers];
-        const VkShaderModuleCreateInfo module_info = {
-            .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code.bytes, .pCode = code.words};
-        VkShaderModule module;
-        VkResult result = vk->CreateShaderModule(context->device, &module_info, context->callbacks, &module);
-        if (result != VK_SUCCESS) {
-            return girih_vulkan_failed(error, "vkCreateShaderModule", "context", result);
-        }
-        const VkComputePipelineCreateInfo info = {
-            .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
-            .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                      .stage = VK_SHADER_STAGE_COMPUTE_BIT,
-                      .module = module,
-                      .pName = "main"},
-            .layout = context->pipeline_layout};
-        result = vk->CreateComputePipelines(context->device, cache, 1, &info, context->callbacks, &context->pipelines[n]);
-        vk->DestroyShaderModule(context->device, module, context->callbacks);
-        if (result != VK_SUCCESS) {
-            context->pipelines[n] = VK_NULL_HANDLE;
-            return girih_vulkan_failed(error, "vkCreateComputePipelines", "context", result);
-        }
-    }
-    return GIRIH_OK;
-}
-
 static girih_result create_buffers(girih_context *context, const girih_catalogue *catalogue, girih_error *error) {
     girih_result result = girih_pack_catalogue(&context->catalogue, catalogue, error);
     if (result != GIRIH_OK) {
@@ -203,6 +133,7 @@ girih_result girih_context_create(const girih_context_desc *desc, girih_context 
     *context = (girih_context){.physical_device = desc->physical_device,
                                .device = desc->device,
                                .callbacks = desc->allocation_callbacks,
+                               .pipeline_cache = desc->pipeline_cache,
                                .surfaces = desc->surfaces ? desc->surfaces : UINT32_MAX};
     if (desc->enabled_features) {
         context->features = *desc->enabled_features;
@@ -216,9 +147,6 @@ girih_result girih_context_create(const girih_context_desc *desc, girih_context 
     result = create_layouts(context, error);
     if (result == GIRIH_OK) {
         result = create_buffers(context, desc->catalogue ? desc->catalogue : girih_catalogue_dyadic(), error);
-    }
-    if (result == GIRIH_OK) {
-        result = create_pipelines(context, desc->pipeline_cache, error);
     }
     if (result != GIRIH_OK) {
         girih_context_destroy(context);
@@ -245,7 +173,9 @@ void girih_context_destroy(girih_context *context) {
     }
     const girih_functions *vk = &context->vk;
     for (uint32_t n = 0; n < GIRIH_SHADER_COUNT; ++n) {
-        vk->DestroyPipeline(context->device, context->pipelines[n], context->callbacks);
+        for (uint32_t slot = 0; slot < GIRIH_MAX_VARIANTS; ++slot) {
+            vk->DestroyPipeline(context->device, context->pipelines[n][slot], context->callbacks);
+        }
     }
     vk->DestroyPipelineLayout(context->device, context->pipeline_layout, context->callbacks);
     vk->DestroyDescriptorSetLayout(context->device, context->draw_set_layout, context->callbacks);

@@ -18,6 +18,9 @@ enum {
 };
 #undef GIRIH_SHADER_ID
 
+// Variants of one shader: at most four of the bits of GIRIH_VARIANT_* concern it.
+#define GIRIH_MAX_VARIANTS 16
+
 typedef struct girih_buffer {
     VkBuffer buffer;
     VkDeviceMemory memory;
@@ -48,7 +51,9 @@ struct girih_context {
     VkDescriptorSetLayout set_layout;
     VkDescriptorSetLayout draw_set_layout;
     VkPipelineLayout pipeline_layout;
-    VkPipeline pipelines[GIRIH_SHADER_COUNT];
+    VkPipelineCache pipeline_cache;
+    // Made when a plan first needs them; a slot is only ever filled, by whichever thread is first.
+    _Atomic(VkPipeline) pipelines[GIRIH_SHADER_COUNT][GIRIH_MAX_VARIANTS];
 };
 
 struct girih_scene {
@@ -70,6 +75,7 @@ struct girih_plan {
     girih_surface surface;
     girih_mode mode;
     uint32_t outputs;
+    uint32_t variant;             // GIRIH_VARIANT_*, without CULL and the rule
     girih_arrays arrays;          // counts and frame; the words are gone after the packing
     girih_buffer buffer;          // frame block and the plan's arrays
     girih_buffer staging;         // INSTANCES and BLOCKS for upload, mapped
@@ -110,6 +116,14 @@ girih_result girih_check_ranges(const girih_context *context, const girih_arrays
 
 girih_result girih_vulkan_failed(girih_error *error, const char *call, const char *what, VkResult result);
 
+// --- pipeline.c -------------------------------------------------------------------------------------
+
+// Makes the pipeline of a shader's variant (GIRIH_VARIANT_*) if it is not there yet. Thread-safe.
+girih_result girih_pipeline_need(const girih_context *context, uint32_t shader, uint32_t variant, girih_error *error);
+
+// The pipeline of a variant that a plan has needed.
+VkPipeline girih_pipeline_get(const girih_context *context, uint32_t shader, uint32_t variant);
+
 // --- Recording: each stage's file records its own dispatches -----------------------------------------------
 
 void girih_barrier(const girih_context *context, VkCommandBuffer commands, VkPipelineStageFlags from_stage,
@@ -118,7 +132,8 @@ void girih_barrier(const girih_context *context, VkCommandBuffer commands, VkPip
 // Compute shader writes made visible to the next dispatch, its arguments included.
 void girih_compute_barrier(const girih_context *context, VkCommandBuffer commands);
 
-void girih_bind_pipeline(const girih_plan *plan, VkCommandBuffer commands, uint32_t shader);
+// Binds the plan's variant of a shader, with the bits of `further` added.
+void girih_bind_pipeline(const girih_plan *plan, VkCommandBuffer commands, uint32_t shader, uint32_t further);
 // Binds descriptor set `set` of the plan's sets.
 void girih_bind_set(const girih_plan *plan, VkCommandBuffer commands, uint32_t set);
 void girih_push(const girih_plan *plan, VkCommandBuffer commands, const girih_push_block *push);

@@ -4,9 +4,9 @@
 void girih_record_evaluate(const girih_plan *plan, VkCommandBuffer commands) {
     const bool pn = plan->surface == GIRIH_SURFACE_PN;
     if (plan->mode == GIRIH_MODE_INSTANCED) {
-        girih_bind_pipeline(plan, commands, pn ? GIRIH_SHADER_evaluate_patches_pn : GIRIH_SHADER_evaluate_patches_flat);
+        girih_bind_pipeline(plan, commands, pn ? GIRIH_SHADER_evaluate_patches_pn : GIRIH_SHADER_evaluate_patches_flat, 0);
     } else {
-        girih_bind_pipeline(plan, commands, pn ? GIRIH_SHADER_evaluate_points_pn : GIRIH_SHADER_evaluate_points_flat);
+        girih_bind_pipeline(plan, commands, pn ? GIRIH_SHADER_evaluate_points_pn : GIRIH_SHADER_evaluate_points_flat, 0);
     }
     for (uint32_t window = 0; window < plan->vertex_windows; ++window) {
         const girih_push_block push = {.window_first = window * plan->vertex_window, .window_count = plan->vertex_window};

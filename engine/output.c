@@ -3,13 +3,13 @@
 
 void girih_record_weld(const girih_plan *plan, VkCommandBuffer commands) {
     const girih_frame_block *frame = &plan->arrays.frame;
-    girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_weld_blocks);
+    girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_weld_blocks, 0);
     girih_dispatch_invocations(plan, commands, frame->scan_block_count, GIRIH_WORKGROUP);
     girih_compute_barrier(plan->context, commands);
-    girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_weld_sums);
+    girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_weld_sums, 0);
     girih_dispatch_invocations(plan, commands, 1, GIRIH_WORKGROUP);
     girih_compute_barrier(plan->context, commands);
-    girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_weld_offsets);
+    girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_weld_offsets, 0);
     girih_dispatch_invocations(plan, commands, frame->scan_block_count, GIRIH_WORKGROUP);
 }
 
@@ -18,7 +18,7 @@ void girih_record_output(const girih_plan *plan, VkCommandBuffer commands) {
         return;
     }
     const uint32_t wanted = plan->outputs & (GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_CLOSED_INDICES | GIRIH_OUTPUT_SOURCES);
-    girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_lists);
+    girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_lists, 0);
     // With few buffers the lists share one binding, so each has descriptors and a dispatch of its own.
     const uint32_t families = plan->context->few_buffers ? 3 : 1;
     for (uint32_t family = 0; family < families; ++family) {

@@ -46,7 +46,8 @@ static void write_range(uint32_t *words, uint32_t index_bytes, const girih_catal
     const uint64_t replica_indices = (uint64_t)3 * pattern->triangle_count;
     for (uint32_t triangle = 0; triangle < pattern->triangle_count; ++triangle) {
         for (uint32_t corner = 0; corner < 3; ++corner) {
-            uint32_t index = girih_catalogue_index(catalogue, pattern, 3 * triangle + order[corner]);
+            uint32_t index =
+                girih_catalogue_index(catalogue, pattern, 3 * triangle + order[corner]);
             uint64_t target = first + (uint64_t)3 * triangle + corner;
             for (uint32_t replica = 0; replica < replicas; ++replica) {
                 write_index(words, index_bytes, target + replica * replica_indices,

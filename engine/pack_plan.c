@@ -14,7 +14,7 @@
 #define DRAW_WORDS 5u // VkDrawIndexedIndirectCommand
 #define MAX_INSTANCES (UINT32_MAX / GIRIH_INSTANCE_WORDS - 1)
 
-// --- Transforms -------------------------------------------------------------------------------------
+// --- Transforms --------------------------------------------------------------------------------
 
 // -0 stored as +0, so that sums of vanishing products have one sign.
 static void write_float(uint32_t *word, float value) {
@@ -69,7 +69,7 @@ static girih_result check_transform(const float transform[12], uint32_t instance
     return GIRIH_OK;
 }
 
-// --- Instances --------------------------------------------------------------------------------------
+// --- Instances ---------------------------------------------------------------------------------
 
 typedef struct totals {
     uint64_t triangles, edges, weld_edges, corners;
@@ -157,7 +157,7 @@ static uint32_t block_words(uint32_t count) {
     return count > 0 ? (uint32_t)girih_ceiling_quotient(count, GIRIH_BLOCK) : 1;
 }
 
-// --- Sizes ------------------------------------------------------------------------------------------
+// --- Sizes -------------------------------------------------------------------------------------
 
 uint32_t girih_sort_passes(uint32_t group_count, uint32_t *bits) {
     uint32_t needed = 1;
@@ -312,6 +312,7 @@ girih_result girih_pack_plan(girih_arrays *arrays, girih_plan_shape *shape,
     uint32_t *records = arrays->words[GIRIH_BIND_INSTANCES];
     uint32_t *blocks = arrays->words[GIRIH_BIND_BLOCKS];
     write_instances(records, table, instances, instance_count, shape->mode == GIRIH_MODE_WELDED);
+    memcpy(frame->only_instance, records, sizeof frame->only_instance);
     write_blocks(blocks, records, GIRIH_INSTANCE_FIRST_TRIANGLE, frame->triangle_count);
     write_blocks(blocks + frame->edge_blocks, records, GIRIH_INSTANCE_FIRST_EDGE,
                  frame->edge_count);

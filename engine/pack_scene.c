@@ -40,8 +40,8 @@ static girih_result place_meshes(girih_scene_table *table, const girih_mesh *con
     for (uint32_t n = 0; n < table->mesh_count; ++n) {
         const girih_mesh *mesh = meshes[n];
         if (!mesh) {
-            return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "scene: mesh %" PRIu32 " is NULL",
-                              n);
+            return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                              "scene: mesh %" PRIu32 " is NULL", n);
         }
         if (n == 0) {
             table->attribute_floats = mesh->attribute_floats;
@@ -197,6 +197,7 @@ girih_result girih_pack_scene(girih_arrays *arrays, girih_scene_table *table,
         copy_triangles(arrays, &table->meshes[n], meshes[n]);
         copy_edges(arrays, &table->meshes[n], meshes[n]);
     }
+    table->seam_count = (uint32_t)sums.seams;
     arrays->frame.material_count = table->material_count;
     arrays->frame.attribute_floats = table->attribute_floats;
     return GIRIH_OK;

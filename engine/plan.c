@@ -38,6 +38,10 @@ static girih_result validate(const girih_context *context, const girih_plan_desc
     if ((uint32_t)desc->mode > GIRIH_MODE_WELDED) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "girih_plan_create: there is no mode %d", (int)desc->mode);
     }
+    if ((desc->outputs & (GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_SOURCES)) && desc->mode == GIRIH_MODE_INSTANCED) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "girih_plan_create: indices and sources need the baked or the welded mode");
+    }
     if ((desc->outputs & GIRIH_OUTPUT_CLOSED_INDICES) && desc->mode != GIRIH_MODE_WELDED) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "girih_plan_create: closed indices need the welded mode");
     }
@@ -131,14 +135,14 @@ static girih_result create_inputs(girih_plan *plan, girih_error *error) {
     return GIRIH_OK;
 }
 
-// The part of an output buffer that a window shows; a buffer that is not there is stood in for by the plan's own,
-// which no dispatch then writes through this binding.
+// The part of an output buffer that a window shows; a buffer that is not there is stood in for by the sort's
+// counters, which no shader that could write through this binding reads.
 static VkDescriptorBufferInfo window_info(const girih_plan *plan, const girih_buffer *buffer, uint32_t window,
                                           uint32_t window_size, uint32_t windows, uint32_t bytes) {
     if (!buffer->buffer) {
         return (VkDescriptorBufferInfo){.buffer = plan->buffer.buffer,
-                                        .offset = plan->offset[GIRIH_BIND_STATUS],
-                                        .range = plan->arrays.count[GIRIH_BIND_STATUS] * 4};
+                                        .offset = plan->offset[GIRIH_BIND_COUNTERS],
+                                        .range = plan->arrays.count[GIRIH_BIND_COUNTERS] * 4};
     }
     if (window >= windows) {
         window = windows - 1;
@@ -242,6 +246,54 @@ static girih_result create_descriptors(girih_plan *plan, girih_error *error) {
     return GIRIH_OK;
 }
 
+// Every pipeline that any frame of this plan may use.
+static girih_result need_pipelines(girih_plan *plan, girih_error *error) {
+    const girih_context *context = plan->context;
+    const girih_frame_block *frame = &plan->arrays.frame;
+    const bool pn = plan->surface == GIRIH_SURFACE_PN;
+    const bool serial = context->serial_sort;
+    plan->variant = (frame->instance_count > 1 ? GIRIH_VARIANT_INSTANCES : 0) |
+                    (plan->scene->table.seam_count ? GIRIH_VARIANT_SEAMS : 0) |
+                    (frame->attribute_floats ? GIRIH_VARIANT_ATTRIBUTES : 0) |
+                    (plan->mode == GIRIH_MODE_WELDED ? GIRIH_VARIANT_WELDED : 0);
+    const uint32_t select = pn ? GIRIH_SHADER_select_pn : GIRIH_SHADER_select_flat;
+    uint32_t evaluate = pn ? GIRIH_SHADER_evaluate_points_pn : GIRIH_SHADER_evaluate_points_flat;
+    if (plan->mode == GIRIH_MODE_INSTANCED) {
+        evaluate = pn ? GIRIH_SHADER_evaluate_patches_pn : GIRIH_SHADER_evaluate_patches_flat;
+    }
+    const struct {
+        uint32_t shader, further;
+        bool wanted;
+    } needs[] = {
+        {GIRIH_SHADER_levels, GIRIH_LEVELS_UNIFORM << GIRIH_VARIANT_RULE_SHIFT, true},
+        {GIRIH_SHADER_levels, GIRIH_LEVELS_RANDOM << GIRIH_VARIANT_RULE_SHIFT, true},
+        {GIRIH_SHADER_levels, GIRIH_LEVELS_LENGTH << GIRIH_VARIANT_RULE_SHIFT, true},
+        {GIRIH_SHADER_levels, GIRIH_LEVELS_OBJECT_LENGTH << GIRIH_VARIANT_RULE_SHIFT, true},
+        {GIRIH_SHADER_levels, GIRIH_LEVELS_RANDOM_LEVEL << GIRIH_VARIANT_RULE_SHIFT, true},
+        {select, 0, true},
+        {select, GIRIH_VARIANT_CULL, true},
+        {serial ? GIRIH_SHADER_group_count_serial : GIRIH_SHADER_group_count_workgroup, 0, true},
+        {serial ? GIRIH_SHADER_group_blocks_serial : GIRIH_SHADER_group_blocks_workgroup, 0, true},
+        {GIRIH_SHADER_group_digits, 0, true},
+        {serial ? GIRIH_SHADER_group_place_serial : GIRIH_SHADER_group_place_workgroup, 0, true},
+        {GIRIH_SHADER_group_bounds, 0, true},
+        {GIRIH_SHADER_dispatch_groups, 0, true},
+        {GIRIH_SHADER_dispatch_draws, 0, plan->mode != GIRIH_MODE_INSTANCED && frame->draws_per_material},
+        {evaluate, 0, true},
+        {GIRIH_SHADER_output_lists, 0, plan->triangle_windows > 0},
+        {GIRIH_SHADER_output_weld_blocks, 0, plan->mode == GIRIH_MODE_WELDED},
+        {GIRIH_SHADER_output_weld_sums, 0, plan->mode == GIRIH_MODE_WELDED},
+        {GIRIH_SHADER_output_weld_offsets, 0, plan->mode == GIRIH_MODE_WELDED},
+    };
+    girih_result result = GIRIH_OK;
+    for (size_t n = 0; n < sizeof needs / sizeof *needs && result == GIRIH_OK; ++n) {
+        if (needs[n].wanted) {
+            result = girih_pipeline_need(context, needs[n].shader, plan->variant | needs[n].further, error);
+        }
+    }
+    return result;
+}
+
 // See girih.glsl for the locations.
 static void describe_vertex_input(girih_plan *plan) {
     uint32_t attributes = 0;
@@ -336,6 +388,9 @@ girih_result girih_plan_create(const girih_context *context, const girih_plan_de
     if (result == GIRIH_OK) {
         result = create_descriptors(plan, error);
     }
+    if (result == GIRIH_OK) {
+        result = need_pipelines(plan, error);
+    }
     if (result != GIRIH_OK) {
         girih_plan_destroy(plan);
         return result;
@@ -365,6 +420,9 @@ girih_result girih_plan_set_transform(girih_plan *plan, uint32_t instance, const
         return GIRIH_ERROR_INVALID_ARGUMENT;
     }
     girih_pack_transform((uint32_t *)plan->staging.mapped + (size_t)instance * GIRIH_INSTANCE_WORDS, transform);
+    if (plan->arrays.frame.instance_count == 1) {
+        memcpy(plan->arrays.frame.only_instance, plan->staging.mapped, sizeof plan->arrays.frame.only_instance);
+    }
     plan->moved = true;
     return GIRIH_OK;
 }

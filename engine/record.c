@@ -17,8 +17,9 @@ void girih_compute_barrier(const girih_context *context, VkCommandBuffer command
                   VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT);
 }
 
-void girih_bind_pipeline(const girih_plan *plan, VkCommandBuffer commands, uint32_t shader) {
-    plan->context->vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, plan->context->pipelines[shader]);
+void girih_bind_pipeline(const girih_plan *plan, VkCommandBuffer commands, uint32_t shader, uint32_t further) {
+    plan->context->vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
+                                      girih_pipeline_get(plan->context, shader, plan->variant | further));
 }
 
 void girih_bind_set(const girih_plan *plan, VkCommandBuffer commands, uint32_t set) {

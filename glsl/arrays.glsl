@@ -22,6 +22,12 @@ layout(push_constant) uniform GirihPush {
     GIRIH_PUSH_BLOCK(uint)
 } push;
 
+layout(constant_id = 0) const uint girih_variant = 0xffffffffu;
+
+bool girih_has(uint variant) {
+    return (girih_variant & variant) != 0u;
+}
+
 #ifdef GIRIH_FEW_BUFFERS
 #define GIRIH_AT(BINDING, INDEX) [frame.bases[BINDING >> 2][BINDING & 3] + (INDEX)]
 #define GIRIH_SCENE_BINDING(BINDING) GIRIH_BIND_SHARED_SCENE
@@ -112,13 +118,16 @@ uint girih_range_rank(uint range) {
 }
 
 uint girih_instance(uint instance, uint field) {
+    if (!girih_has(GIRIH_VARIANT_INSTANCES)) {
+        return frame.only_instance[field >> 2][field & 3u];
+    }
     return INSTANCES(instance * GIRIH_INSTANCE_WORDS + field);
 }
 
 // The instance that the plan's triangle, edge or weld edge `number` belongs to: `first` is the field
 // with an instance's first number, `blocks` where the words for this kind begin in BLOCKS.
 uint girih_find_instance(uint number, uint first, uint blocks) {
-    if (frame.instance_count == 1u) {
+    if (!girih_has(GIRIH_VARIANT_INSTANCES)) {
         return 0u;
     }
     uint instance = BLOCKS(blocks + number / GIRIH_BLOCK);

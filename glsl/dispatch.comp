@@ -63,22 +63,40 @@ uvec2 group_items(uint group, bool level0) {
     return end == 0u ? uvec2(0u) : uvec2(first, end);
 }
 
+// Vertices of a pattern that an item of it adds to the output.
+uint item_vertices(uint rank) {
+    uint vertices = girih_pattern(rank, GIRIH_PATTERN_VERTICES);
+    if (frame.output_mode == GIRIH_OUTPUT_WELDED) {
+        for (uint n = 0u; n < 3u; ++n) {
+            vertices -= girih_pattern(rank, GIRIH_PATTERN_SEGMENTS + n);
+        }
+    }
+    return vertices;
+}
+
+// What evaluate and output need of the group `group` whose items are drawn as those of group `drawn`.
+void write_record(uint group, uint drawn, uint first_item) {
+    uint range = drawn % frame.range_count;
+    uint rank = girih_range_rank(range);
+    uint mirrored = range != girih_pattern(rank, GIRIH_PATTERN_RANGE) ? GIRIH_GROUP_MIRRORED : 0u;
+    uint word = group * GIRIH_GROUP_WORDS;
+    uint from = drawn * GIRIH_GROUP_WORDS;
+    GROUPS(word + GIRIH_GROUP_RANK) = rank | mirrored;
+    GROUPS(word + GIRIH_GROUP_VERTICES) = girih_pattern(rank, GIRIH_PATTERN_VERTICES);
+    GROUPS(word + GIRIH_GROUP_PATTERN_VERTEX) = girih_pattern(rank, GIRIH_PATTERN_FIRST_VERTEX);
+    GROUPS(word + GIRIH_GROUP_BASE_VERTEX) = GROUPS(from + GIRIH_GROUP_FIRST_VERTEX) - first_item * item_vertices(rank);
+    GROUPS(word + GIRIH_GROUP_BASE_TRIANGLE) =
+        GROUPS(from + GIRIH_GROUP_FIRST_TRIANGLE) - first_item * girih_pattern(rank, GIRIH_PATTERN_TRIANGLES);
+}
+
 // What one group adds.
 Sums group_sums(uint group, uvec2 items) {
     Sums sums = Sums(uvec2(0u), uvec2(0u), 0u, 0u, 0u);
     uint count = items.y - items.x;
     if (count != 0u) {
         uint rank = girih_range_rank(group % frame.range_count);
-        uint vertices = girih_pattern(rank, GIRIH_PATTERN_VERTICES);
-        if (frame.output_mode == GIRIH_OUTPUT_WELDED) {
-            uint border = 0u;
-            for (uint n = 0u; n < 3u; ++n) {
-                border += girih_pattern(rank, GIRIH_PATTERN_SEGMENTS + n);
-            }
-            vertices -= border;
-        }
         uint replicas = girih_pattern(rank, GIRIH_PATTERN_REPLICAS);
-        sums.vertices = multiply_wide(count, vertices);
+        sums.vertices = multiply_wide(count, item_vertices(rank));
         sums.triangles = multiply_wide(count, girih_pattern(rank, GIRIH_PATTERN_TRIANGLES));
         sums.draws = (count + replicas - 1u) / replicas;
         sums.chunks = count * (girih_pattern(rank, GIRIH_PATTERN_CHUNKS) - 1u);
@@ -163,6 +181,9 @@ void main() {
         GROUPS(word + GIRIH_GROUP_FIRST_TRIANGLE) = sums.triangles.x;
         GROUPS(word + GIRIH_GROUP_FIRST_DRAW) = sums.draws;
         GROUPS(word + GIRIH_GROUP_FIRST_CHUNK) = sums.chunks;
+        if (!level0) {
+            write_record(group, group, items.x);
+        }
         uint count = items.y - items.x;
         uint range = group % frame.range_count;
         uint rank = girih_range_rank(range);
@@ -193,6 +214,7 @@ void main() {
             for (uint n = 0u; n < frame.range_count; ++n) {
                 GROUPS((group + n) * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) = n == 0u ? items.x : items.y;
                 GROUPS((group + n) * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = items.y;
+                write_record(group + n, group, items.x);
             }
         }
     }

@@ -14,13 +14,14 @@ void write_vector(uint word, vec3 v) {
 }
 
 void main() {
+    bool overflow = girih_overflow();
     uint number = girih_interleaved_invocation();
     // The patches' own window, where they are more than one storage buffer can hold.
     if (number < push.window_first || number - push.window_first >= push.window_count ||
         number >= STATUS(GIRIH_STATUS_ITEMS)) {
         return;
     }
-    GirihItem item = girih_read_item(number);
+    GirihItem item = girih_read_item(number, overflow);
     uint vertices[3];
     girih_item_vertices(item, vertices);
     GirihPatch p = girih_item_patch(item, vertices);
@@ -56,7 +57,8 @@ void main() {
     OUT_ATTRIBUTES(word) = vertices[0];
     OUT_ATTRIBUTES(word + 1u) = vertices[1];
     OUT_ATTRIBUTES(word + 2u) = vertices[2];
-    OUT_ATTRIBUTES(word + 3u) = item.group << 3 | item.lambda;
+    uint group = overflow ? item.group - item.group % frame.range_count : item.group;
+    OUT_ATTRIBUTES(word + 3u) = group << 3 | item.lambda;
 }
 
 #else
@@ -78,18 +80,18 @@ void write_point(uint vertex, vec3 position, vec3 normal) {
 }
 
 void main() {
+    bool overflow = girih_overflow();
     uint number;
     uint chunk;
     if (!girih_work(girih_interleaved_invocation(), number, chunk)) {
         return;
     }
-    GirihItem item = girih_read_item(number);
-    uint count = girih_pattern(item.rank, GIRIH_PATTERN_VERTICES);
+    GirihItem item = girih_read_item(number, overflow);
+    uint count = girih_group(item.group, GIRIH_GROUP_VERTICES);
     uint begin = chunk * GIRIH_CHUNK_VERTICES;
     uint end = min(begin + GIRIH_CHUNK_VERTICES, count);
-    uint group_word = item.group * GIRIH_GROUP_WORDS;
-    uint first = GROUPS(group_word + GIRIH_GROUP_FIRST_VERTEX) + (number - GROUPS(group_word + GIRIH_GROUP_FIRST)) * count;
-    bool welded = frame.output_mode == GIRIH_OUTPUT_WELDED;
+    uint first = girih_group(item.group, GIRIH_GROUP_BASE_VERTEX) + number * count;
+    bool welded = girih_has(GIRIH_VARIANT_WELDED);
     if (!welded && (first + end <= push.window_first || first + begin >= push.window_first + push.window_count)) {
         return;
     }
@@ -100,7 +102,7 @@ void main() {
         weld = girih_item_weld(item, vertices, false);
     }
     GirihPatch p = girih_item_patch(item, vertices);
-    uint pattern_vertex = girih_pattern(item.rank, GIRIH_PATTERN_FIRST_VERTEX);
+    uint pattern_vertex = girih_group(item.group, GIRIH_GROUP_PATTERN_VERTEX);
     for (uint n = begin; n < end; ++n) {
         uint vertex = welded ? girih_weld_vertex(weld, n) : first + n;
         if (!in_window(vertex)) {
@@ -113,6 +115,9 @@ void main() {
         float v = float(vi) * (1.0 / 32768.0);
         float w = float(32768u - ui - vi) * (1.0 / 32768.0);
         write_point(vertex, girih_patch_position(p, u, v, w), girih_patch_unit_normal(p, u, v, w));
+        if (!girih_has(GIRIH_VARIANT_ATTRIBUTES)) {
+            continue;
+        }
         for (uint a = 0u; a < frame.attribute_floats; ++a) {
             float value = girih_patch_attribute(uintBitsToFloat(ATTRIBUTES(vertices[0] * frame.attribute_floats + a)),
                                                 uintBitsToFloat(ATTRIBUTES(vertices[1] * frame.attribute_floats + a)),

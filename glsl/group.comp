@@ -245,11 +245,13 @@ void main() {
         return;
     }
     uint group = ITEMS(item * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY) >> 3;
-    if (item == 0u || ITEMS((item - 1u) * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY) >> 3 != group) {
+    uint before = item == 0u ? group : ITEMS((item - 1u) * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY) >> 3;
+    if (before != group) {
+        GROUPS(before * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = item;
         GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) = item;
     }
-    if (item + 1u == items || ITEMS((item + 1u) * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY) >> 3 != group) {
-        GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = item + 1u;
+    if (item + 1u == items) {
+        GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = items;
     }
 }
 

@@ -26,16 +26,25 @@ uint hash_edge(uint seed, uint a, uint b) {
     return hash;
 }
 
+// A number below `count` from a hash, by its high bits: no division.
+uint draw_below(uint hash, uint count) {
+    uint high, low;
+    umulExtended(hash, count, high, low);
+    return high;
+}
+
 uint level_segments(uint level) {
     return frame.linear_spacing != 0u ? level + 1u : 1u << level;
 }
+
+const uint rule = girih_variant >> GIRIH_VARIANT_RULE_SHIFT & 7u;
 
 void main() {
     uint edge = girih_invocation();
     if (edge >= frame.edge_count) {
         return;
     }
-    if (frame.rule == GIRIH_LEVELS_UNIFORM) {
+    if (rule == GIRIH_LEVELS_UNIFORM) {
         LEVELS(edge) = frame.uniform_level;
         return;
     }
@@ -46,12 +55,12 @@ void main() {
     uint level = 0u;
     uint last = frame.level_count - 1u;
     bool clamped;
-    if (frame.rule == GIRIH_LEVELS_RANDOM_LEVEL) {
-        uint wanted = hash_edge(frame.seed, a, b) % frame.random_segments;
+    if (rule == GIRIH_LEVELS_RANDOM_LEVEL) {
+        uint wanted = draw_below(hash_edge(frame.seed, a, b), frame.random_segments);
         level = min(wanted, last);
         clamped = wanted > last;
-    } else if (frame.rule == GIRIH_LEVELS_RANDOM) {
-        uint segments = 1u + hash_edge(frame.seed, a, b) % frame.random_segments;
+    } else if (rule == GIRIH_LEVELS_RANDOM) {
+        uint segments = 1u + draw_below(hash_edge(frame.seed, a, b), frame.random_segments);
         while (level < last && level_segments(level) < segments) {
             ++level;
         }
@@ -60,7 +69,7 @@ void main() {
         vec3 p = girih_vertex_position(a);
         vec3 q = girih_vertex_position(b);
         precise float distance_squared = frame.near_squared;
-        if (frame.rule == GIRIH_LEVELS_LENGTH) {
+        if (rule == GIRIH_LEVELS_LENGTH) {
             GirihTransform transform = girih_instance_transform(instance);
             p = girih_transform_point(transform, p);
             q = girih_transform_point(transform, q);

@@ -16,24 +16,23 @@ uint pattern_index(uint n) {
 }
 
 void main() {
+    bool overflow = girih_overflow();
     uint number;
     uint chunk;
     if (!girih_work(girih_interleaved_invocation(), number, chunk)) {
         return;
     }
-    GirihItem item = girih_read_item(number);
+    GirihItem item = girih_read_item(number, overflow);
     uint count = girih_pattern(item.rank, GIRIH_PATTERN_TRIANGLES);
     uint chunks = girih_pattern(item.rank, GIRIH_PATTERN_CHUNKS);
     uint share = (count + chunks - 1u) / chunks;
     uint begin = chunk * share;
     uint end = min(begin + share, count);
-    uint group_word = item.group * GIRIH_GROUP_WORDS;
-    uint local = number - GROUPS(group_word + GIRIH_GROUP_FIRST);
-    uint first = GROUPS(group_word + GIRIH_GROUP_FIRST_TRIANGLE) + local * count;
+    uint first = girih_group(item.group, GIRIH_GROUP_BASE_TRIANGLE) + number * count;
     if (first + end <= push.window_first || first + begin >= push.window_first + push.window_count) {
         return;
     }
-    bool welded = frame.output_mode == GIRIH_OUTPUT_WELDED;
+    bool welded = girih_has(GIRIH_VARIANT_WELDED);
     bool closed = (push.outputs & GIRIH_OUTPUT_BIT_CLOSED_INDICES) != 0u;
     uint first_vertex = 0u;
     GirihWeld weld;
@@ -46,7 +45,7 @@ void main() {
             closed_weld = girih_item_weld(item, vertices, true);
         }
     } else {
-        first_vertex = GROUPS(group_word + GIRIH_GROUP_FIRST_VERTEX) + local * girih_pattern(item.rank, GIRIH_PATTERN_VERTICES);
+        first_vertex = girih_group(item.group, GIRIH_GROUP_BASE_VERTEX) + number * girih_group(item.group, GIRIH_GROUP_VERTICES);
     }
     uint first_index = girih_pattern(item.rank, item.mirrored ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
     for (uint triangle = begin; triangle < end; ++triangle) {

@@ -20,7 +20,12 @@ struct GirihItem {
     bool odd;            // the base pattern's edges run against the input's
 };
 
-GirihItem girih_read_item(uint number) {
+uint girih_group(uint group, uint field) {
+    return GROUPS(group * GIRIH_GROUP_WORDS + field);
+}
+
+// `overflow`: the frame is drawn at level 0.
+GirihItem girih_read_item(uint number, bool overflow) {
     GirihItem item;
     item.number = number;
     uint triangle = ITEMS(number * GIRIH_ITEM_WORDS + GIRIH_ITEM_TRIANGLE);
@@ -29,15 +34,14 @@ GirihItem girih_read_item(uint number) {
     item.scene_triangle = triangle - girih_instance(item.instance, GIRIH_INSTANCE_TRIANGLE_DELTA);
     item.group = key >> 3;
     item.lambda = key & 7u;
-    if ((STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_OVERFLOW) != 0u) {
+    if (overflow) {
         // Drawn at level 0: base pattern [0,0,0], whose permutation only has to keep the winding.
-        item.group -= item.group % frame.range_count;
         bool mirror = (girih_instance(item.instance, GIRIH_INSTANCE_FLAGS) & GIRIH_INSTANCE_MIRRORED) != 0u;
         item.lambda = mirror ? GIRIH_LAMBDA_ODD_IJ(0u) : 0u;
     }
-    uint range = item.group % frame.range_count;
-    item.rank = girih_range_rank(range);
-    item.mirrored = range != girih_pattern(item.rank, GIRIH_PATTERN_RANGE);
+    uint rank = girih_group(item.group, GIRIH_GROUP_RANK);
+    item.rank = rank & ~GIRIH_GROUP_MIRRORED;
+    item.mirrored = (rank & GIRIH_GROUP_MIRRORED) != 0u;
     uint corners = GIRIH_LAMBDA_CORNERS(item.lambda);
     uint edges = GIRIH_LAMBDA_EDGES(item.lambda);
     for (uint n = 0u; n < 3u; ++n) {
@@ -91,6 +95,11 @@ GirihPatch girih_item_patch(GirihItem item, uint vertices[3]) {
     patch_.n101 = girih_transform_point(nt, girih_pn_edge_normal(p[2], p[0], n[2], n[0]));
 #endif
     return patch_;
+}
+
+// Read before anything diverges, where a CPU device loads it once for all lanes.
+bool girih_overflow() {
+    return (STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_OVERFLOW) != 0u;
 }
 
 // The item and the share of its work that an invocation of evaluate or output does. Invocation n < items
@@ -168,9 +177,8 @@ GirihWeld girih_item_weld(GirihItem item, uint vertices[3], bool closed) {
         weld.segments[n] = girih_pattern(item.rank, GIRIH_PATTERN_SEGMENTS + n);
         border += weld.segments[n];
     }
-    uint interior = girih_pattern(item.rank, GIRIH_PATTERN_VERTICES) - border;
-    uint word = item.group * GIRIH_GROUP_WORDS;
-    weld.interior = GROUPS(word + GIRIH_GROUP_FIRST_VERTEX) + (item.number - GROUPS(word + GIRIH_GROUP_FIRST)) * interior;
+    uint interior = girih_group(item.group, GIRIH_GROUP_VERTICES) - border;
+    weld.interior = girih_group(item.group, GIRIH_GROUP_BASE_VERTEX) + item.number * interior;
     return weld;
 }
 

@@ -23,7 +23,7 @@ vec3 girih_pn_edge_point(vec3 p, vec3 q, vec3 n) {
 // of both sides' curves, added in the seam's own order.
 void girih_pn_edge(vec3 p, vec3 q, vec3 normal_p, vec3 normal_q, uint edge, uint seam_delta, out vec3 near_p,
                    out vec3 near_q) {
-    if ((edge & GIRIH_EDGE_SEAM) == 0u) {
+    if (!girih_has(GIRIH_VARIANT_SEAMS) || (edge & GIRIH_EDGE_SEAM) == 0u) {
         near_p = girih_pn_edge_point(p, q, normal_p);
         near_q = girih_pn_edge_point(q, p, normal_q);
         return;

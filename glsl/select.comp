@@ -110,7 +110,7 @@ void main() {
     for (uint n = 0u; n < 3u; ++n) {
         edges[n] = TRIANGLE_EDGES(3u * scene_triangle + n);
     }
-    if (frame.cull != 0u) {
+    if (girih_has(GIRIH_VARIANT_CULL)) {
         vec3 p[10];
         vec3 normals[3];
         vec3 corners[3];

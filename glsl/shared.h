@@ -109,13 +109,22 @@
 #define GIRIH_ITEM_TRIANGLE 0          // the plan's triangle
 #define GIRIH_ITEM_KEY 1
 
-#define GIRIH_GROUP_WORDS 8
+#define GIRIH_GROUP_WORDS 12
 #define GIRIH_GROUP_FIRST 0            // item
 #define GIRIH_GROUP_END 1              // item
 #define GIRIH_GROUP_FIRST_VERTEX 2     // output vertex; welded: output vertex in the interior of a triangle
 #define GIRIH_GROUP_FIRST_TRIANGLE 3   // output triangle
 #define GIRIH_GROUP_FIRST_DRAW 4       // baked draw, over all materials
 #define GIRIH_GROUP_FIRST_CHUNK 5      // further chunk (beyond a triangle's first)
+// What evaluate and output need of an item of the group, as it is drawn: after an overflow these are base
+// pattern [0,0,0]'s for all of a material's groups.
+#define GIRIH_GROUP_RANK 6             // base pattern | GIRIH_GROUP_MIRRORED
+#define GIRIH_GROUP_VERTICES 7         // of the pattern
+#define GIRIH_GROUP_PATTERN_VERTEX 8   // the pattern's first in PATTERN_VERTICES
+#define GIRIH_GROUP_BASE_VERTEX 9      // item n's first output vertex = base + n * vertices (welded: interior ones)
+#define GIRIH_GROUP_BASE_TRIANGLE 10   // item n's first output triangle = base + n * triangles
+
+#define GIRIH_GROUP_MIRRORED 0x80000000u // uses its pattern's mirrored range
 
 // --- Status: what the host may read after a frame ---------------------------------------------------
 #define GIRIH_STATUS_WORDS 32
@@ -139,7 +148,7 @@
 #define GIRIH_LEVELS_RANDOM 1u
 #define GIRIH_LEVELS_LENGTH 2u          // world length against the distance to the eye
 #define GIRIH_LEVELS_OBJECT_LENGTH 3u   // mesh-space length
-#define GIRIH_LEVELS_RANDOM_LEVEL 4u    // the hash modulo random_segments is the level itself
+#define GIRIH_LEVELS_RANDOM_LEVEL 4u    // the number drawn below random_segments is the level itself
 
 #define GIRIH_CULL_FRUSTUM 1u
 #define GIRIH_CULL_BACK 2u
@@ -150,6 +159,7 @@
     VEC4 planes[6];          /* world, inside where n.p + d >= 0 */ \
     VEC4 eye;                /* w = 1: the eye; w = 0: the direction towards the viewer */ \
     UVEC4 bases[8];          /* first word of each binding's array, where arrays share a buffer */ \
+    UVEC4 only_instance[8];  /* the record of the first instance, for plans that have no other */ \
     UINT rule; \
     UINT uniform_level; \
     UINT random_segments; \
@@ -192,6 +202,17 @@
     UINT window_first;       /* evaluate, output: first vertex, triangle or item of the bound window */ \
     UINT window_count; \
     UINT outputs;            /* output: the index lists this dispatch writes */
+
+// --- Variants -----------------------------------------------------------------------------------------
+//
+// What a frame does not need is compiled out by one specialization constant, because a CPU device runs
+// both sides of every branch.
+#define GIRIH_VARIANT_INSTANCES 1u      // more than one instance
+#define GIRIH_VARIANT_SEAMS 2u          // the scene has seams
+#define GIRIH_VARIANT_ATTRIBUTES 4u     // the vertices have attributes
+#define GIRIH_VARIANT_CULL 8u           // select culls
+#define GIRIH_VARIANT_WELDED 16u        // GIRIH_OUTPUT_WELDED
+#define GIRIH_VARIANT_RULE_SHIFT 5u     // levels: the rule, 3 bits
 
 // --- Modes and workgroups -----------------------------------------------------------------------------
 #define GIRIH_OUTPUT_INSTANCED 0u

@@ -159,10 +159,10 @@ static void place_ring_vertices(const uint32_t segments[3], ring_vertex *vertice
     }
 }
 
-static void add_ring_triangle(ring *ring, uint32_t a, uint32_t b, uint32_t c, uint32_t entry,
+static void add_ring_triangle(ring *r, uint32_t a, uint32_t b, uint32_t c, uint32_t entry,
                               uint32_t exit) {
-    uint32_t here = ring->triangle_count++;
-    ring_triangle *triangle = &ring->triangles[here];
+    uint32_t here = r->triangle_count++;
+    ring_triangle *triangle = &r->triangles[here];
     *triangle = (ring_triangle){.vertices = {a, b, c}};
     for (int edge = 0; edge < 3; edge++) {
         triangle->neighbours[edge] = NO_NEIGHBOUR;
@@ -173,7 +173,7 @@ static void add_ring_triangle(ring *ring, uint32_t a, uint32_t b, uint32_t c, ui
 
 // Steps along a border and the outline of the inner grid at once, always on the side that lags
 // behind. Both are straight and parallel, so every step gives a triangle of positive area.
-static void stitch_edge(ring *ring, const uint32_t segments[3], uint32_t edge) {
+static void stitch_edge(ring *r, const uint32_t segments[3], uint32_t edge) {
     uint32_t outer_count = segments[edge];
     uint32_t inner_count = segments[0] - 3;
     uint32_t outer = 0;
@@ -186,25 +186,25 @@ static void stitch_edge(ring *ring, const uint32_t segments[3], uint32_t edge) {
                         (2 * outer + 1) * segments[0] <= (2 * inner + 4) * outer_count);
         if (outward) {
             outer++;
-            add_ring_triangle(ring, border, border_vertex(segments, edge, outer), outline, 2, 1);
+            add_ring_triangle(r, border, border_vertex(segments, edge, outer), outline, 2, 1);
         } else {
             inner++;
-            add_ring_triangle(ring, outline_vertex(segments, edge, inner), outline, border, 1, 2);
+            add_ring_triangle(r, outline_vertex(segments, edge, inner), outline, border, 1, 2);
         }
     }
 }
 
 // The first triangulation of the ring.
-static void stitch(ring *ring, const uint32_t segments[3]) {
+static void stitch(ring *r, const uint32_t segments[3]) {
     if (segments[0] > 2) {
         for (uint32_t edge = 0; edge < 3; edge++) {
-            stitch_edge(ring, segments, edge);
+            stitch_edge(r, segments, edge);
         }
         // Close the ring. Its first triangle stands on edge 1, which has n segments.
-        ring->triangles[0].neighbours[2] = ring->triangle_count - 1;
-        ring_triangle *last = &ring->triangles[ring->triangle_count - 1];
+        r->triangles[0].neighbours[2] = r->triangle_count - 1;
+        ring_triangle *last = &r->triangles[r->triangle_count - 1];
         for (int edge = 0; edge < 3; edge++) {
-            if (last->neighbours[edge] == ring->triangle_count) {
+            if (last->neighbours[edge] == r->triangle_count) {
                 last->neighbours[edge] = 0;
             }
         }
@@ -217,21 +217,21 @@ static void stitch(ring *ring, const uint32_t segments[3]) {
             uint32_t from = border_vertex(segments, edge, m);
             uint32_t to = border_vertex(segments, edge, m + 1);
             if (from != middle && to != middle) {
-                add_ring_triangle(ring, from, to, middle, 2, 1);
+                add_ring_triangle(r, from, to, middle, 2, 1);
             }
         }
     }
-    ring->triangles[0].neighbours[2] = NO_NEIGHBOUR;
-    ring->triangles[ring->triangle_count - 1].neighbours[1] = NO_NEIGHBOUR;
+    r->triangles[0].neighbours[2] = NO_NEIGHBOUR;
+    r->triangles[r->triangle_count - 1].neighbours[1] = NO_NEIGHBOUR;
 }
 
 // Twice the signed area, in units of 1 / 32768^2 of the whole.
-static int64_t doubled_area(const ring *ring, uint32_t a, uint32_t b, uint32_t c) {
+static int64_t doubled_area(const ring *r, uint32_t a, uint32_t b, uint32_t c) {
     uint32_t corners[3] = {a, b, c};
     int64_t u[3];
     int64_t v[3];
     for (int n = 0; n < 3; n++) {
-        uint32_t position = ring->positions[ring->vertices[corners[n]].index];
+        uint32_t position = r->positions[r->vertices[corners[n]].index];
         u[n] = position & 0xffff;
         v[n] = position >> 16;
     }
@@ -239,10 +239,10 @@ static int64_t doubled_area(const ring *ring, uint32_t a, uint32_t b, uint32_t c
 }
 
 // sqrt(3) times the cotangent of the angle at `apex` in the equilateral triangle.
-static double cotangent(const ring *ring, uint32_t apex, uint32_t from, uint32_t to) {
-    const double *p = ring->vertices[apex].weights;
-    const double *a = ring->vertices[from].weights;
-    const double *b = ring->vertices[to].weights;
+static double cotangent(const ring *r, uint32_t apex, uint32_t from, uint32_t to) {
+    const double *p = r->vertices[apex].weights;
+    const double *a = r->vertices[from].weights;
+    const double *b = r->vertices[to].weights;
     double dot = 0;
     for (int corner = 0; corner < 3; corner++) {
         dot += (a[corner] - p[corner]) * (b[corner] - p[corner]);
@@ -253,11 +253,11 @@ static double cotangent(const ring *ring, uint32_t apex, uint32_t from, uint32_t
 
 // Four points on a circle have two Delaunay triangulations. The diagonal that begins farthest from
 // the pattern's axis of symmetry is taken, so that both sides of the axis choose alike.
-static bool goes_before(const ring *ring, uint32_t a, uint32_t b) {
-    if (ring->symmetry_corner >= 0) {
-        int corner = ring->symmetry_corner;
-        const double *p = ring->vertices[a].weights;
-        const double *q = ring->vertices[b].weights;
+static bool goes_before(const ring *r, uint32_t a, uint32_t b) {
+    if (r->symmetry_corner >= 0) {
+        int corner = r->symmetry_corner;
+        const double *p = r->vertices[a].weights;
+        const double *q = r->vertices[b].weights;
         double distance_a = fabs(p[(corner + 1) % 3] - p[(corner + 2) % 3]);
         double distance_b = fabs(q[(corner + 1) % 3] - q[(corner + 2) % 3]);
         if (distance_a > distance_b || distance_a < distance_b) {
@@ -270,39 +270,39 @@ static bool goes_before(const ring *ring, uint32_t a, uint32_t b) {
     return a < b;
 }
 
-static uint32_t first_of(const ring *ring, uint32_t a, uint32_t b) {
-    return goes_before(ring, a, b) ? a : b;
+static uint32_t first_of(const ring *r, uint32_t a, uint32_t b) {
+    return goes_before(r, a, b) ? a : b;
 }
 
 // Whether the quadrilateral a, d, b, c should be cut from c to d rather than from a to b.
-static bool should_flip(const ring *ring, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
-    if (doubled_area(ring, a, d, c) <= 0 || doubled_area(ring, d, b, c) <= 0) {
+static bool should_flip(const ring *r, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+    if (doubled_area(r, a, d, c) <= 0 || doubled_area(r, d, b, c) <= 0) {
         return false;
     }
     const double tie = 1e-9;
-    double sum = cotangent(ring, c, a, b) + cotangent(ring, d, b, a);
+    double sum = cotangent(r, c, a, b) + cotangent(r, d, b, a);
     if (fabs(sum) > tie) {
         return sum < 0;
     }
-    return goes_before(ring, first_of(ring, c, d), first_of(ring, a, b));
+    return goes_before(r, first_of(r, c, d), first_of(r, a, b));
 }
 
-static void replace_neighbour(ring *ring, uint32_t triangle, uint32_t old, uint32_t new) {
+static void replace_neighbour(ring *r, uint32_t triangle, uint32_t old, uint32_t new) {
     for (int edge = 0; edge < 3 && triangle != NO_NEIGHBOUR; edge++) {
-        if (ring->triangles[triangle].neighbours[edge] == old) {
-            ring->triangles[triangle].neighbours[edge] = new;
+        if (r->triangles[triangle].neighbours[edge] == old) {
+            r->triangles[triangle].neighbours[edge] = new;
         }
     }
 }
 
 // Flips an edge of a triangle where that is better; returns the other triangle, or NO_NEIGHBOUR.
-static uint32_t flip(ring *ring, uint32_t here, uint32_t edge) {
-    ring_triangle *triangle = &ring->triangles[here];
+static uint32_t flip(ring *r, uint32_t here, uint32_t edge) {
+    ring_triangle *triangle = &r->triangles[here];
     uint32_t there = triangle->neighbours[edge];
     if (there == NO_NEIGHBOUR) {
         return NO_NEIGHBOUR;
     }
-    ring_triangle *other = &ring->triangles[there];
+    ring_triangle *other = &r->triangles[there];
     uint32_t next = (edge + 1) % 3;
     uint32_t last = (edge + 2) % 3;
     uint32_t a = triangle->vertices[edge];
@@ -313,7 +313,7 @@ static uint32_t flip(ring *ring, uint32_t here, uint32_t edge) {
         other_a++;
     }
     uint32_t d = other->vertices[(other_a + 1) % 3];
-    if (!should_flip(ring, a, b, c, d)) {
+    if (!should_flip(r, a, b, c, d)) {
         return NO_NEIGHBOUR;
     }
     uint32_t across_bc = triangle->neighbours[next];
@@ -322,30 +322,30 @@ static uint32_t flip(ring *ring, uint32_t here, uint32_t edge) {
     uint32_t across_db = other->neighbours[(other_a + 1) % 3];
     *triangle = (ring_triangle){{c, a, d}, {across_ca, across_ad, there}, triangle->queued};
     *other = (ring_triangle){{d, b, c}, {across_db, across_bc, here}, other->queued};
-    replace_neighbour(ring, across_ad, there, here);
-    replace_neighbour(ring, across_bc, here, there);
+    replace_neighbour(r, across_ad, there, here);
+    replace_neighbour(r, across_bc, here, there);
     return there;
 }
 
-static void enqueue(ring *ring, uint32_t triangle) {
-    if (!ring->triangles[triangle].queued) {
-        ring->triangles[triangle].queued = true;
-        ring->queue[ring->queued++] = triangle;
+static void enqueue(ring *r, uint32_t triangle) {
+    if (!r->triangles[triangle].queued) {
+        r->triangles[triangle].queued = true;
+        r->queue[r->queued++] = triangle;
     }
 }
 
-static void make_delaunay(ring *ring) {
-    for (uint32_t n = 0; n < ring->triangle_count; n++) {
-        enqueue(ring, n);
+static void make_delaunay(ring *r) {
+    for (uint32_t n = 0; n < r->triangle_count; n++) {
+        enqueue(r, n);
     }
-    while (ring->queued > 0) {
-        uint32_t here = ring->queue[--ring->queued];
-        ring->triangles[here].queued = false;
+    while (r->queued > 0) {
+        uint32_t here = r->queue[--r->queued];
+        r->triangles[here].queued = false;
         for (uint32_t edge = 0; edge < 3; edge++) {
-            uint32_t there = flip(ring, here, edge);
+            uint32_t there = flip(r, here, edge);
             if (there != NO_NEIGHBOUR) {
-                enqueue(ring, here);
-                enqueue(ring, there);
+                enqueue(r, here);
+                enqueue(r, there);
                 break;
             }
         }
@@ -372,30 +372,30 @@ static girih_result build(const uint32_t segments[3], uint32_t *vertices, uint32
 
     uint32_t outline = segments[0] > 3 ? 3 * (segments[0] - 3) : 1;
     size_t capacity = (size_t)border_count(segments) + outline;
-    ring ring = {
+    ring r = {
         .positions = vertices,
-        .vertices = calloc(capacity, sizeof *ring.vertices),
-        .triangles = calloc(capacity, sizeof *ring.triangles),
-        .queue = calloc(capacity, sizeof *ring.queue),
+        .vertices = calloc(capacity, sizeof *r.vertices),
+        .triangles = calloc(capacity, sizeof *r.triangles),
+        .queue = calloc(capacity, sizeof *r.queue),
         .symmetry_corner = symmetry_corner(segments),
     };
     girih_result result = GIRIH_OK;
-    if (!ring.vertices || !ring.triangles || !ring.queue) {
+    if (!r.vertices || !r.triangles || !r.queue) {
         result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory for %zu ring vertices",
                             capacity);
     } else {
-        place_ring_vertices(segments, ring.vertices);
-        stitch(&ring, segments);
-        make_delaunay(&ring);
-        for (uint32_t n = 0; n < ring.triangle_count; n++) {
+        place_ring_vertices(segments, r.vertices);
+        stitch(&r, segments);
+        make_delaunay(&r);
+        for (uint32_t n = 0; n < r.triangle_count; n++) {
             for (int corner = 0; corner < 3; corner++) {
-                *index++ = ring.vertices[ring.triangles[n].vertices[corner]].index;
+                *index++ = r.vertices[r.triangles[n].vertices[corner]].index;
             }
         }
     }
-    free(ring.queue);
-    free(ring.triangles);
-    free(ring.vertices);
+    free(r.queue);
+    free(r.triangles);
+    free(r.vertices);
     return result;
 }
 

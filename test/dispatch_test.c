@@ -54,8 +54,10 @@ static void fill_groups(stages *s, uint64_t *random, uint32_t sparse, uint32_t m
         if (draw_number(random) % sparse == 0) {
             const uint32_t *patterns = s->arrays.words[GIRIH_BIND_PATTERNS];
             const uint32_t range = group % s->arrays.frame.range_count;
-            const uint32_t rank = patterns[s->arrays.frame.pattern_count * GIRIH_PATTERN_WORDS + range];
-            const uint32_t triangles = patterns[rank * GIRIH_PATTERN_WORDS + GIRIH_PATTERN_TRIANGLES];
+            const uint32_t rank =
+                patterns[s->arrays.frame.pattern_count * GIRIH_PATTERN_WORDS + range];
+            const uint32_t triangles =
+                patterns[rank * GIRIH_PATTERN_WORDS + GIRIH_PATTERN_TRIANGLES];
             const uint32_t count = 1 + draw_number(random) % (1 + most / triangles);
             group_words(s, group)[GIRIH_GROUP_FIRST] = item;
             group_words(s, group)[GIRIH_GROUP_END] = item + count;
@@ -105,7 +107,8 @@ static uint32_t *group_counts(const stages *s) {
     uint32_t *counts = malloc((s->arrays.frame.group_count + 1u) * sizeof *counts);
     assert_non_null(counts);
     for (uint32_t group = 0; group < s->arrays.frame.group_count; ++group) {
-        counts[group] = group_words(s, group)[GIRIH_GROUP_END] - group_words(s, group)[GIRIH_GROUP_FIRST];
+        counts[group] =
+            group_words(s, group)[GIRIH_GROUP_END] - group_words(s, group)[GIRIH_GROUP_FIRST];
     }
     return counts;
 }
@@ -136,9 +139,11 @@ static void check_status(const stages *s, const expectation *e, uint64_t needed_
     const uint64_t invocations =
         status[GIRIH_STATUS_ITEMS] + (s->shape.mode == GIRIH_MODE_INSTANCED ? 0 : e->chunks);
     const uint64_t workgroups = (uint64_t)status[GIRIH_STATUS_EVALUATE] *
-                                status[GIRIH_STATUS_EVALUATE + 1] * status[GIRIH_STATUS_EVALUATE + 2];
+                                status[GIRIH_STATUS_EVALUATE + 1] *
+                                status[GIRIH_STATUS_EVALUATE + 2];
     assert_true(workgroups * GIRIH_WORKGROUP >= invocations);
-    assert_true(status[GIRIH_STATUS_EVALUATE] <= 65535 && status[GIRIH_STATUS_EVALUATE + 1] <= 65535);
+    assert_true(status[GIRIH_STATUS_EVALUATE] <= 65535 &&
+                status[GIRIH_STATUS_EVALUATE + 1] <= 65535);
     const uint32_t *first = status + GIRIH_STATUS_WORDS + s->arrays.frame.pattern_count;
     const uint32_t materials = s->arrays.frame.material_count;
     for (uint32_t material = 0; material <= materials; ++material) {
@@ -217,7 +222,8 @@ static void overflow_draws_level_0(void **state) {
             const expectation e = expect(&s, catalogue, counts);
             check_status(&s, &e, needed.needed_vertices, needed.needed_triangles, 1);
             assert_int_equal(e.triangles, items);
-            assert_int_equal(e.vertices, mode == GIRIH_MODE_WELDED ? mesh->vertex_count : 3 * items);
+            assert_int_equal(e.vertices,
+                             mode == GIRIH_MODE_WELDED ? mesh->vertex_count : 3 * items);
             uint32_t item = 0;
             for (uint32_t group = 0; group < s.arrays.frame.group_count; ++group) {
                 const uint32_t *words = group_words(&s, group);
@@ -265,8 +271,8 @@ static void sums_are_64_bits_wide(void **state) {
     girih_mesh_destroy(mesh);
 }
 
-static void check_draw(const uint32_t *draw, uint32_t indices, uint32_t instances, uint32_t first_index,
-                       uint32_t vertex, uint32_t first_instance) {
+static void check_draw(const uint32_t *draw, uint32_t indices, uint32_t instances,
+                       uint32_t first_index, uint32_t vertex, uint32_t first_instance) {
     assert_int_equal(draw[0], indices);
     assert_int_equal(draw[1], instances);
     assert_int_equal(draw[2], first_index);
@@ -321,8 +327,8 @@ static void draws_cover_everything_once(void **state) {
                                                    .max_vertices = 8000000,
                                                    .max_triangles = 2000000,
                                                    .pattern_draws = 1});
-    stages instanced =
-        stages_begin(catalogue, &mesh, 1, NULL, 0, (girih_plan_shape){.mode = GIRIH_MODE_INSTANCED});
+    stages instanced = stages_begin(catalogue, &mesh, 1, NULL, 0,
+                                    (girih_plan_shape){.mode = GIRIH_MODE_INSTANCED});
     stages welded =
         stages_begin(catalogue, &mesh, 1, NULL, 0, (girih_plan_shape){.mode = GIRIH_MODE_WELDED});
     const girih_frame_block *frame = &baked.arrays.frame;
@@ -350,8 +356,8 @@ static void draws_cover_everything_once(void **state) {
                 range_pattern(catalogue, group % frame->range_count, &mirrored);
             check_draw(instanced.arrays.words[GIRIH_BIND_DRAWS] + 5 * (size_t)group,
                        3 * pattern->triangle_count, counts[group],
-                       first_index_of(&instanced, group % frame->range_count), pattern->first_vertex,
-                       group_words(&instanced, group)[GIRIH_GROUP_FIRST]);
+                       first_index_of(&instanced, group % frame->range_count),
+                       pattern->first_vertex, group_words(&instanced, group)[GIRIH_GROUP_FIRST]);
         }
         uint32_t triangle = 0;
         for (uint32_t material = 0; material < frame->material_count; ++material) {

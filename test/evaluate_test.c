@@ -61,7 +61,8 @@ static uint64_t triangles_of(const stages *s, const girih_mesh *mesh, uint32_t i
 static void triangle_positions(const stages *s, uint32_t triangle, double p[3][3]) {
     for (uint32_t corner = 0; corner < 3; ++corner) {
         float position[3];
-        stages_position(s, s->arrays.words[GIRIH_BIND_OUT_INDICES][3 * triangle + corner], position);
+        stages_position(s, s->arrays.words[GIRIH_BIND_OUT_INDICES][3 * triangle + corner],
+                        position);
         for (int axis = 0; axis < 3; ++axis) {
             p[corner][axis] = (double)position[axis];
         }
@@ -71,7 +72,8 @@ static void triangle_positions(const stages *s, uint32_t triangle, double p[3][3
 static void doubled_area(double p[3][3], double area[3]) {
     for (int n = 0; n < 3; ++n) {
         const int y = (n + 1) % 3, z = (n + 2) % 3;
-        area[n] = (p[1][y] - p[0][y]) * (p[2][z] - p[0][z]) - (p[1][z] - p[0][z]) * (p[2][y] - p[0][y]);
+        area[n] =
+            (p[1][y] - p[0][y]) * (p[2][z] - p[0][z]) - (p[1][z] - p[0][z]) * (p[2][y] - p[0][y]);
     }
 }
 
@@ -84,7 +86,8 @@ static void area_and_volume(const stages *s, uint32_t instance, double *area, do
             double p[3][3], normal[3];
             triangle_positions(s, triangle, p);
             doubled_area(p, normal);
-            *area += sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / 2;
+            *area +=
+                sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / 2;
             *volume += (normal[0] * (p[0][0] - 4.0 * (instance == 1)) + normal[1] * p[0][1] +
                         normal[2] * p[0][2]) / 6;
         }
@@ -115,8 +118,8 @@ static void check_counts(const stages *s, const girih_mesh *mesh) {
     assert_int_equal(stages_statistics(s).output_triangles, expected);
 }
 
-// Every output edge is used by two triangles in opposite directions, by the exact bits of its ends; the
-// winding is kept, mirrored or not; flat areas are the input's.
+// Every output edge is used by two triangles in opposite directions, by the exact bits of its ends;
+// the winding is kept, mirrored or not; flat areas are the input's.
 static void closed_meshes_stay_closed(void **state) {
     (void)state;
     for (int n = 0; n < CLOSED_MESHES; ++n) {
@@ -150,7 +153,8 @@ static void closed_meshes_stay_closed(void **state) {
     }
 }
 
-// Open, non-manifold and flipped edges stay what they are, segment by segment, and nothing else opens.
+// Open, non-manifold and flipped edges stay what they are, segment by segment, and nothing else
+// opens.
 static void soups_keep_their_edges(void **state) {
     (void)state;
     for (uint64_t seed = 1; seed <= 20; ++seed) {
@@ -178,6 +182,35 @@ static void soups_keep_their_edges(void **state) {
         stages_end(&s);
         girih_mesh_destroy(mesh);
     }
+}
+
+// Half of the smallest number is -0 or +0; which of them must not depend on the third corner.
+static void signed_zeros_agree(void **state) {
+    (void)state;
+    const float least = -0x1p-149f;
+    const float positions[4][3] = {{0, least, 0}, {1, least, 0}, {0.5f, 1, 0.5f}, {0.5f, -1, 0.5f}};
+    static const uint32_t indices[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    const girih_mesh_desc desc = {.vertex_count = 4,
+                                  .positions = positions[0],
+                                  .indices = indices,
+                                  .index_count = 12};
+    const girih_mesh *mesh = NULL;
+    assert_int_equal(girih_mesh_create(&desc, &mesh, NULL), GIRIH_OK);
+    assert_int_equal(mesh->open_edges + mesh->flipped_edges, 0);
+    stages s = stages_begin(girih_catalogue_linear(), &mesh, 1, three_instances, 1, baked);
+    for (int surface = GIRIH_SURFACE_FLAT; surface <= GIRIH_SURFACE_PN; ++surface) {
+        for (uint32_t segments = 1; segments <= 8; ++segments) {
+            const girih_frame frame = {.segments = segments};
+            stages_refine(&s, &frame, (girih_surface)surface);
+            const edge_audit audit = audit_positions(&s);
+            assert_int_equal(audit.open + audit.nonmanifold + audit.flipped, 0);
+            for (uint32_t n = 0; n < stages_statistics(&s).output_vertices * 3; ++n) {
+                assert_int_not_equal(s.arrays.words[GIRIH_BIND_OUT_POSITIONS][n], 0x80000000u);
+            }
+        }
+    }
+    stages_end(&s);
+    girih_mesh_destroy(mesh);
 }
 
 static void hard_cubes_stay_cubes(void **state) {
@@ -217,7 +250,8 @@ static void edge_midpoints(void **state) {
         stages_refine(&s, &frame, GIRIH_SURFACE_PN);
         const uint32_t *items = s.arrays.words[GIRIH_BIND_ITEMS];
         for (uint32_t n = 0; n < mesh->triangle_count; ++n) {
-            // All levels are equal, so lambda is 0 and the pattern's vertices are P1 P2 P3 M12 M23 M31.
+            // All levels are equal, so lambda is 0 and the pattern's vertices are P1 P2 P3 M12 M23
+            // M31.
             const uint32_t *v = mesh->triangle_vertices + 3 * items[2 * n];
             for (int edge = 0; edge < 3; ++edge) {
                 const float *a = mesh->positions + 3 * v[edge];
@@ -262,7 +296,8 @@ static void corners_are_the_inputs(void **state) {
                                 mesh->vertex_count * 3 * sizeof(float));
             for (uint32_t vertex = 0; vertex < mesh->vertex_count; ++vertex) {
                 float normal[5];
-                memcpy(normal, s.arrays.words[GIRIH_BIND_OUT_ATTRIBUTES] + 5 * vertex, sizeof normal);
+                memcpy(normal, s.arrays.words[GIRIH_BIND_OUT_ATTRIBUTES] + 5 * vertex,
+                       sizeof normal);
                 for (uint32_t axis = 0; axis < 3; ++axis) {
                     assert_true(fabsf(normal[axis] - mesh->normals[3 * vertex + axis]) < 3e-7f);
                 }
@@ -320,13 +355,14 @@ static void patches_agree_with_baked_corners(void **state) {
         stages_refine(&b, &frame, (girih_surface)surface);
         stages_refine(&i, &frame, (girih_surface)surface);
         for (uint32_t group = 0; group < b.arrays.frame.group_count; ++group) {
-            const uint32_t *bounds = b.arrays.words[GIRIH_BIND_GROUPS] + 8 * (size_t)group;
+            const uint32_t *bounds = b.arrays.words[GIRIH_BIND_GROUPS] + GIRIH_GROUP_WORDS * (size_t)group;
             const uint32_t *patterns = b.arrays.words[GIRIH_BIND_PATTERNS];
             const uint32_t rank = patterns[b.arrays.frame.pattern_count * GIRIH_PATTERN_WORDS +
                                            group % b.arrays.frame.range_count];
             const uint32_t vertices = patterns[rank * GIRIH_PATTERN_WORDS + GIRIH_PATTERN_VERTICES];
             uint32_t vertex = bounds[GIRIH_GROUP_FIRST_VERTEX];
-            for (uint32_t item = bounds[GIRIH_GROUP_FIRST]; item < bounds[GIRIH_GROUP_END]; ++item) {
+            for (uint32_t item = bounds[GIRIH_GROUP_FIRST]; item < bounds[GIRIH_GROUP_END];
+                 ++item) {
                 const uint32_t *patch =
                     i.arrays.words[GIRIH_BIND_OUT_ATTRIBUTES] + (size_t)item * words;
                 for (uint32_t corner = 0; corner < 3; ++corner) {
@@ -361,6 +397,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_meshes_stay_closed),
         cmocka_unit_test(soups_keep_their_edges),
+        cmocka_unit_test(signed_zeros_agree),
         cmocka_unit_test(hard_cubes_stay_cubes),
         cmocka_unit_test(edge_midpoints),
         cmocka_unit_test(corners_are_the_inputs),

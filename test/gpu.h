@@ -34,29 +34,29 @@ typedef struct gpu_buffer {
 // All of these print what failed and exit(1): a test that cannot run is a failure, never a pass.
 
 // wanted: features enabled where the device has them; NULL: none.
-void gpu_open(gpu *gpu, const VkPhysicalDeviceFeatures *wanted, bool validation);
+void gpu_open(gpu *host, const VkPhysicalDeviceFeatures *wanted, bool validation);
 // Closes, and returns the number of validation messages.
-unsigned gpu_close(gpu *gpu);
+unsigned gpu_close(gpu *host);
 void gpu_check(VkResult result, const char *what);
 void gpu_girih(girih_result result, const girih_error *error);
 
 // A command buffer that has begun.
-VkCommandBuffer gpu_begin(gpu *gpu);
+VkCommandBuffer gpu_begin(gpu *host);
 // Ends, submits and waits; the command buffer stays for gpu_submit, or is freed by gpu_run.
-void gpu_run(gpu *gpu, VkCommandBuffer commands);
+void gpu_run(gpu *host, VkCommandBuffer commands);
 void gpu_end(VkCommandBuffer commands);
-void gpu_submit(gpu *gpu, VkCommandBuffer commands);
+void gpu_submit(gpu *host, VkCommandBuffer commands);
 
-// host: mapped and coherent, else device-local.
-gpu_buffer gpu_create_buffer(gpu *gpu, VkDeviceSize size, VkBufferUsageFlags usage, bool host);
-void gpu_destroy_buffer(gpu *gpu, gpu_buffer *buffer);
+// mapped: host-visible and coherent, else device-local.
+gpu_buffer gpu_create_buffer(gpu *host, VkDeviceSize size, VkBufferUsageFlags usage, bool mapped);
+void gpu_destroy_buffer(gpu *host, gpu_buffer *buffer);
 // Copies bytes of a buffer with transfer usage to memory of the caller's (free()).
-void *gpu_read(gpu *gpu, VkBuffer buffer, VkDeviceSize offset, VkDeviceSize size);
+void *gpu_read(gpu *host, VkBuffer buffer, VkDeviceSize offset, VkDeviceSize size);
 
-VkShaderModule gpu_shader(gpu *gpu, const uint32_t *words, size_t bytes);
+VkShaderModule gpu_shader(gpu *host, const uint32_t *words, size_t bytes);
 
 // A context with its catalogue uploaded.
-girih_context *gpu_context(gpu *gpu, const girih_context_desc *options);
-girih_scene *gpu_scene(gpu *gpu, const girih_context *context, const girih_mesh *const *meshes, uint32_t mesh_count);
+girih_context *gpu_context(gpu *host, const girih_context_desc *options);
+girih_scene *gpu_scene(gpu *host, const girih_context *context, const girih_mesh *const *meshes, uint32_t mesh_count);
 
 #endif

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "gpu_frame.h"
+#include "memory.h"
 #include "meshes.h"
 #include "stages.h"
 
@@ -166,40 +167,87 @@ static void compare(stages *twin, const girih_plan *plan, const girih_frame *fra
     }
 }
 
-// Runs one frame on both sides. Room for what the frame needs, or `room` per cent of it.
-static void run_frame(const girih_context *context, const girih_scene *scene, const placement *placed,
-                      const girih_catalogue *catalogue, girih_surface surface, girih_mode mode, uint32_t outputs,
+// Catalogue and scene packed for the twins, once for many frames.
+static stages pack(const girih_catalogue *catalogue, const placement *placed) {
+    stages packed;
+    memset(&packed, 0, sizeof packed);
+    girih_error error = {GIRIH_OK, ""};
+    assert_ok(girih_pack_catalogue(&packed.arrays, catalogue, &error), &error);
+    assert_ok(girih_pack_scene(&packed.arrays, &packed.table, placed->meshes, placed->mesh_count, &error), &error);
+    return packed;
+}
+
+// The packed scene with the arrays of one plan, filled with a pattern; they go with end_frame.
+static stages begin_frame(const stages *packed, const placement *placed, girih_plan_shape shape) {
+    stages twin = *packed;
+    twin.shape = shape;
+    girih_error error = {GIRIH_OK, ""};
+    assert_ok(girih_pack_plan(&twin.arrays, &twin.shape, &twin.table, placed->instances, placed->instance_count, &error),
+              &error);
+    for (uint32_t binding = GIRIH_BIND_LEVELS; binding <= GIRIH_BIND_WELD_OFFSETS; ++binding) {
+        const size_t bytes = (size_t)twin.arrays.count[binding] * sizeof(uint32_t);
+        twin.arrays.words[binding] = girih_allocate(bytes);
+        assert_non_null(twin.arrays.words[binding]);
+        memset(twin.arrays.words[binding], 0xa5, bytes);
+    }
+    return twin;
+}
+
+static void end_frame(stages *twin) {
+    girih_arrays_free(&twin->arrays, GIRIH_BIND_INSTANCES, GIRIH_BIND_COUNT);
+}
+
+// What a run has in common.
+typedef struct setting {
+    const girih_context *context;
+    girih_scene *scene;
+    placement placed;
+    stages packed;
+} setting;
+
+// Runs one frame on both sides, with room for a part of what it needs, in per cent.
+static void run_frame(const setting *setting, girih_surface surface, girih_mode mode, uint32_t outputs,
                       const girih_frame *frame, uint32_t room) {
-    stages counted = stages_begin(catalogue, placed->meshes, placed->mesh_count, placed->instances, placed->instance_count,
-                                  (girih_plan_shape){.mode = mode});
+    stages counted = begin_frame(&setting->packed, &setting->placed,
+                                 (girih_plan_shape){.mode = mode, .max_vertices = UINT32_MAX, .max_triangles = UINT32_MAX});
     stages_frame(&counted, frame);
     stages_count(&counted, surface);
     const girih_statistics needed = stages_statistics(&counted);
-    stages_end(&counted);
-    const girih_plan_desc desc = {.scene = scene,
-                                  .instances = placed->instances,
-                                  .instance_count = placed->instance_count,
+    end_frame(&counted);
+    const girih_plan_desc desc = {.scene = setting->scene,
+                                  .instances = setting->placed.instances,
+                                  .instance_count = setting->placed.instance_count,
                                   .surface = surface,
                                   .mode = mode,
                                   .outputs = outputs,
-                                  .max_vertices = (uint32_t)(needed.needed_vertices * room / 100 + 1),
-                                  .max_triangles = (uint32_t)(needed.needed_triangles * room / 100 + 1)};
+                                  .max_vertices = (uint32_t)(needed.needed_vertices * room / 100),
+                                  .max_triangles = (uint32_t)(needed.needed_triangles * room / 100)};
     girih_plan *plan;
     girih_error error = {GIRIH_OK, ""};
-    assert_ok(girih_plan_create(context, &desc, &plan, &error), &error);
+    assert_ok(girih_plan_create(setting->context, &desc, &plan, &error), &error);
     gpu_refine(&device, plan, frame, &readback);
-    const girih_plan_shape shape = {.mode = mode,
-                                    .outputs = plan->outputs,
-                                    .max_vertices = plan->arrays.frame.max_vertices,
-                                    .max_triangles = plan->arrays.frame.max_triangles,
-                                    .pattern_draws = plan->arrays.frame.pattern_draws != 0,
-                                    .serial_sort = context->serial_sort};
-    stages twin = stages_begin(catalogue, placed->meshes, placed->mesh_count, placed->instances, placed->instance_count, shape);
-    twin.arrays.frame.max_vertices = plan->arrays.frame.max_vertices;
-    twin.arrays.frame.max_triangles = plan->arrays.frame.max_triangles;
+    stages twin = begin_frame(&setting->packed, &setting->placed,
+                              (girih_plan_shape){.mode = mode,
+                                                 .outputs = plan->outputs,
+                                                 .max_vertices = plan->arrays.frame.max_vertices,
+                                                 .max_triangles = plan->arrays.frame.max_triangles,
+                                                 .pattern_draws = plan->arrays.frame.pattern_draws != 0,
+                                                 .serial_sort = setting->context->serial_sort});
     compare(&twin, plan, frame);
-    stages_end(&twin);
+    end_frame(&twin);
     girih_plan_destroy(plan);
+}
+
+static setting begin_setting(const girih_context *context, const girih_catalogue *catalogue, placement placed) {
+    return (setting){.context = context,
+                     .scene = gpu_scene(&device, context, placed.meshes, placed.mesh_count),
+                     .placed = placed,
+                     .packed = pack(catalogue, &placed)};
+}
+
+static void end_setting(setting *setting) {
+    girih_scene_destroy(setting->scene);
+    stages_end(&setting->packed);
 }
 
 // Frames of every rule, with culling and without.
@@ -225,7 +273,7 @@ static const girih_frame frames[FRAMES] = {
      .planes = {{1, 0, 0, 0.6f}, {-1, 0.1f, 0, 0.7f}, {0, 1, 0, 0.8f}, {0, -1, 0, 0.5f}, {0, 0, 1, 2}, {0, 0, -2, 3}}},
     {.rule = GIRIH_LEVEL_SEGMENTS, .segments = 5},
     {.rule = GIRIH_LEVEL_RANDOM,
-     .segments = 70,
+     .segments = 40,
      .seed = 99,
      .cull_frustum = 1,
      .planes = {{1, 0, 0, 0.1f}, {0, 1, 0, 0.3f}, {0, 0, 1, 1}, {-1, 0, 0, 9}, {0, -1, 0, 9}, {0, 0, -1, 9}}},
@@ -262,7 +310,7 @@ static void run_variant(gpu_variant variant, uint32_t stride) {
                              .meshes = all ? meshes : &meshes[which],
                              .instances = all ? crowd : &once,
                              .instance_count = all ? CROWD : 1};
-        girih_scene *scene = gpu_scene(&device, context, placed.meshes, placed.mesh_count);
+        setting shared = begin_setting(context, catalogue, placed);
         for (uint32_t combination = 0; combination < 6; ++combination) {
             const girih_surface surface = combination % 2 ? GIRIH_SURFACE_PN : GIRIH_SURFACE_FLAT;
             const girih_mode mode = (girih_mode)(combination / 2);
@@ -271,15 +319,18 @@ static void run_variant(gpu_variant variant, uint32_t stride) {
                 const uint32_t outputs = choose_outputs(mode, turn++, culls);
                 snprintf(what, sizeof what, "%s, %s, sort %d, few %d, surface %d, mode %d, outputs %u, frame %u", placed.name,
                          variant.linear ? "linear" : "dyadic", variant.sort, variant.few_buffers, surface, mode, outputs, n);
-                run_frame(context, scene, &placed, catalogue, surface, mode, outputs, &frames[n], 100);
+                girih_frame frame = frames[n];
+                frame.segments = all && frame.segments > 16 ? 16 : frame.segments;
+                frame.length *= all ? 2.0f : 1.0f;
+                run_frame(&shared, surface, mode, outputs, &frame, 100);
                 if (n == 1) {
                     // Does not fit, so everything at level 0.
                     strncat(what, ", overflow", sizeof what - strlen(what) - 1);
-                    run_frame(context, scene, &placed, catalogue, surface, mode, outputs, &frames[n], 40);
+                    run_frame(&shared, surface, mode, outputs, &frame, 40);
                 }
             }
         }
-        girih_scene_destroy(scene);
+        end_setting(&shared);
     }
     girih_context_destroy(context);
     print_message("%llu words compared\n", (unsigned long long)(words_compared - words_before));
@@ -314,6 +365,193 @@ static void dyadic_workgroup(void **state) {
 static void linear_serial_few(void **state) {
     (void)state;
     run_variant((gpu_variant){.linear = 1, .sort = GIRIH_SORT_SERIAL, .few_buffers = 1}, 4);
+}
+
+// --- The sort alone, on keys of the test's own ---------------------------------------------------------
+
+#define MATERIALS 64
+
+// Separate triangles, dealt out evenly to as many submeshes as there are materials.
+static const girih_mesh *make_materials(uint32_t triangles) {
+    const uint32_t vertices = 3 * triangles;
+    float *positions = malloc(((size_t)vertices * 5 + 5) * sizeof *positions);
+    uint32_t *indices = malloc(((size_t)vertices + 1) * sizeof *indices);
+    assert_true(positions && indices);
+    float *attributes = positions + (size_t)vertices * 3;
+    uint64_t state = 4711;
+    for (uint32_t n = 0; n < vertices; ++n) {
+        indices[n] = n;
+        for (int axis = 0; axis < 3; ++axis) {
+            positions[3 * (size_t)n + (size_t)axis] = draw_float(&state, -1.0f, 1.0f);
+        }
+        attributes[2 * (size_t)n] = draw_float(&state, 0.0f, 1.0f);
+        attributes[2 * (size_t)n + 1] = 0.5f;
+    }
+    girih_submesh submeshes[MATERIALS];
+    for (uint32_t n = 0; n < MATERIALS; ++n) {
+        const uint32_t first = (uint32_t)((uint64_t)triangles * n / MATERIALS);
+        const uint32_t end = (uint32_t)((uint64_t)triangles * (n + 1) / MATERIALS);
+        // Materials against the order of the triangles, so that the sort has them to move.
+        submeshes[n] = (girih_submesh){
+            .first_index = 3 * first, .index_count = 3 * (end - first), .material = MATERIALS - 1 - n};
+    }
+    const girih_mesh_desc desc = {.name = "materials",
+                                  .vertex_count = vertices,
+                                  .positions = positions,
+                                  .attributes = attributes,
+                                  .attribute_floats = 2,
+                                  .indices = indices,
+                                  .index_count = vertices,
+                                  .submeshes = submeshes,
+                                  .submesh_count = MATERIALS,
+                                  .missing_normals = GIRIH_NORMALS_FLAT};
+    const girih_mesh *mesh;
+    girih_error error = {GIRIH_OK, ""};
+    assert_ok(girih_mesh_create(&desc, &mesh, &error), &error);
+    free(positions);
+    free(indices);
+    return mesh;
+}
+
+typedef enum key_kind { KEYS_RANDOM, KEYS_EQUAL, KEYS_FALLING, KEYS_CULLED, KEY_KINDS } key_kind;
+
+static void draw_keys(uint32_t *keys, uint32_t count, uint32_t groups, key_kind kind) {
+    uint64_t state = 77 + count;
+    for (uint32_t n = 0; n < count; ++n) {
+        const uint32_t random = draw_number(&state);
+        switch (kind) {
+        case KEYS_RANDOM:
+            keys[n] = random % 11 == 0 ? GIRIH_KEY_CULLED : random % groups << 3 | (random >> 29);
+            break;
+        case KEYS_EQUAL:
+            keys[n] = (groups - 1) << 3 | (n & 7);
+            break;
+        case KEYS_FALLING:
+            keys[n] = (groups - 1 - n % groups) << 3;
+            break;
+        default:
+            keys[n] = GIRIH_KEY_CULLED;
+            break;
+        }
+    }
+}
+
+// Runs the group stage alone on keys written into the plan.
+static void sort_keys(girih_plan *plan, key_kind kind) {
+    const girih_arrays *arrays = &plan->arrays;
+    const uint32_t count = arrays->frame.triangle_count;
+    const VkDeviceSize key_bytes = arrays->count[GIRIH_BIND_KEYS] * 4;
+    gpu_buffer keys = gpu_create_buffer(&device, key_bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true);
+    draw_keys(keys.mapped, count, arrays->frame.group_count, kind);
+    VkCommandBuffer commands = gpu_begin(&device);
+    const VkBufferCopy copy = {.dstOffset = plan->offset[GIRIH_BIND_KEYS], .size = key_bytes};
+    vkCmdCopyBuffer(commands, keys.buffer, plan->buffer.buffer, 1, &copy);
+    vkCmdUpdateBuffer(commands, plan->buffer.buffer, plan->frame_offset, sizeof arrays->frame, &arrays->frame);
+    vkCmdFillBuffer(commands, plan->buffer.buffer, plan->offset[GIRIH_BIND_GROUPS], arrays->count[GIRIH_BIND_GROUPS] * 4, 0);
+    vkCmdFillBuffer(commands, plan->buffer.buffer, plan->offset[GIRIH_BIND_STATUS], arrays->count[GIRIH_BIND_STATUS] * 4, 0);
+    girih_barrier(plan->context, commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                  VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                  VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_UNIFORM_READ_BIT);
+    girih_bind_set(plan, commands, 0);
+    girih_record_group(plan, commands);
+    gpu_run(&device, commands);
+
+    const uint64_t group_words = arrays->count[GIRIH_BIND_GROUPS];
+    uint32_t status[GIRIH_STATUS_WORDS] = {0};
+    girih_arrays twin = {.frame = arrays->frame};
+    twin.words[GIRIH_BIND_KEYS] = keys.mapped;
+    twin.words[GIRIH_BIND_ITEMS] = malloc((size_t)arrays->count[GIRIH_BIND_ITEMS] * 4);
+    twin.words[GIRIH_BIND_GROUPS] = malloc((size_t)group_words * 4);
+    twin.words[GIRIH_BIND_STATUS] = status;
+    twin.count[GIRIH_BIND_GROUPS] = group_words;
+    girih_error error = {GIRIH_OK, ""};
+    assert_ok(girih_twin_group(&twin, &error), &error);
+    const uint64_t item_words = (uint64_t)status[GIRIH_STATUS_ITEMS] * GIRIH_ITEM_WORDS;
+    uint32_t *words = gpu_read(&device, plan->buffer.buffer, plan->offset[GIRIH_BIND_ITEMS], item_words * 4);
+    assert_words("items", words, twin.words[GIRIH_BIND_ITEMS], item_words);
+    free(words);
+    words = gpu_read(&device, plan->buffer.buffer, plan->offset[GIRIH_BIND_GROUPS], group_words * 4);
+    assert_words("groups", words, twin.words[GIRIH_BIND_GROUPS], group_words);
+    free(words);
+    words = gpu_read(&device, plan->buffer.buffer, plan->offset[GIRIH_BIND_STATUS], 4);
+    assert_words("item count", words, status, 1);
+    free(words);
+    free(twin.words[GIRIH_BIND_ITEMS]);
+    free(twin.words[GIRIH_BIND_GROUPS]);
+    gpu_destroy_buffer(&device, &keys);
+}
+
+// Sorts `copies` instances of a mesh of `triangles` triangles.
+static void sort_triangles(const girih_context *context, uint32_t triangles, uint32_t copies, key_kind kinds) {
+    const girih_mesh *mesh = make_materials(triangles);
+    assert_int_equal(mesh->triangle_count, triangles);
+    girih_scene *scene = gpu_scene(&device, context, &mesh, 1);
+    girih_instance *instances = calloc(copies, sizeof *instances);
+    assert_non_null(instances);
+    // The patches are never written, so their room stays address space.
+    const girih_plan_desc desc = {.scene = scene,
+                                  .instances = instances,
+                                  .instance_count = copies,
+                                  .mode = GIRIH_MODE_INSTANCED,
+                                  .outputs = GIRIH_OUTPUT_NO_DRAW};
+    girih_plan *plan;
+    girih_error error = {GIRIH_OK, ""};
+    assert_ok(girih_plan_create(context, &desc, &plan, &error), &error);
+    free(instances);
+    for (key_kind kind = KEYS_RANDOM; kind < kinds; ++kind) {
+        snprintf(what, sizeof what, "%u triangles, %u groups, sort %s, few %d, keys %d", triangles * copies,
+                 plan->arrays.frame.group_count, context->serial_sort ? "serial" : "workgroup", context->few_buffers,
+                 (int)kind);
+        sort_keys(plan, kind);
+    }
+    girih_plan_destroy(plan);
+    girih_scene_destroy(scene);
+    girih_mesh_destroy(mesh);
+}
+
+static void sort_variant(gpu_variant variant, uint32_t most) {
+    static const uint32_t counts[] = {0, 1, 2, 127, 128, 129, 1023, 1024, 1025, 70000, 300000};
+    girih_context *context = gpu_variant_context(&device, variant);
+    for (size_t n = 0; n < sizeof counts / sizeof *counts; ++n) {
+        sort_triangles(context, counts[n], 1, KEY_KINDS);
+    }
+    if (most) {
+        sort_triangles(context, 10000, most / 10000, KEYS_EQUAL);
+    }
+    girih_context_destroy(context);
+}
+
+// 1,376 ranges of 816 base patterns times 64 materials: two passes of the sort.
+static void group_serial(void **state) {
+    (void)state;
+    sort_variant((gpu_variant){.linear = 1, .sort = GIRIH_SORT_SERIAL}, 10000000);
+}
+
+static void group_workgroup(void **state) {
+    (void)state;
+    sort_variant((gpu_variant){.linear = 1, .sort = GIRIH_SORT_WORKGROUP}, 1000000);
+}
+
+static void group_few_buffers(void **state) {
+    (void)state;
+    sort_variant((gpu_variant){.linear = 0, .sort = GIRIH_SORT_SERIAL, .few_buffers = 1}, 0);
+    sort_variant((gpu_variant){.linear = 1, .sort = GIRIH_SORT_WORKGROUP, .few_buffers = 1}, 0);
+}
+
+// A whole frame of many triangles in many groups.
+static void many_groups(void **state) {
+    (void)state;
+    girih_context *context = gpu_variant_context(&device, (gpu_variant){.linear = 1});
+    const girih_mesh *mesh = make_materials(300000);
+    const placement placed = {.mesh_count = 1, .meshes = &mesh, .instances = &once, .instance_count = 1};
+    setting shared = begin_setting(context, girih_catalogue_linear(), placed);
+    snprintf(what, sizeof what, "many groups");
+    run_frame(&shared, GIRIH_SURFACE_FLAT, GIRIH_MODE_INSTANCED, 0, &frames[1], 100);
+    print_message("%u groups in use\n", readback.words[GIRIH_BIND_STATUS][GIRIH_STATUS_GROUPS]);
+    assert_true(readback.words[GIRIH_BIND_STATUS][GIRIH_STATUS_GROUPS] > 816 * MATERIALS);
+    end_setting(&shared);
+    girih_mesh_destroy(mesh);
+    girih_context_destroy(context);
 }
 
 // Rotations with scales, some of them different along the axes and some mirroring.
@@ -360,6 +598,8 @@ int main(void) {
         cmocka_unit_test(dyadic_serial),        cmocka_unit_test(linear_workgroup_few),
         cmocka_unit_test(linear_serial),        cmocka_unit_test(dyadic_workgroup_few),
         cmocka_unit_test(dyadic_workgroup),     cmocka_unit_test(linear_serial_few),
+        cmocka_unit_test(group_serial),         cmocka_unit_test(group_workgroup),
+        cmocka_unit_test(group_few_buffers),    cmocka_unit_test(many_groups),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     for (int n = 0; n < MESHES; ++n) {

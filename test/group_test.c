@@ -21,7 +21,8 @@ static girih_arrays make_arrays(uint32_t triangle_count, uint32_t group_count) {
     arrays.count[GIRIH_BIND_GROUPS] = ((uint64_t)group_count + 1) * GIRIH_GROUP_WORDS;
     arrays.count[GIRIH_BIND_STATUS] = GIRIH_STATUS_WORDS;
     for (uint32_t binding = 0; binding < GIRIH_BIND_COUNT; ++binding) {
-        if (arrays.count[binding] > 0 || binding == GIRIH_BIND_KEYS || binding == GIRIH_BIND_ITEMS) {
+        if (arrays.count[binding] > 0 || binding == GIRIH_BIND_KEYS ||
+            binding == GIRIH_BIND_ITEMS) {
             arrays.words[binding] =
                 girih_allocate_array((size_t)arrays.count[binding], sizeof(uint32_t));
             assert_non_null(arrays.words[binding]);

@@ -105,6 +105,31 @@ static void random_levels_depend_on_positions_alone(void **state) {
     girih_mesh_destroy(other);
 }
 
+// Levels drawn as such: 0..segments of either spacing, clamped to the catalogue's last.
+static void random_levels_of_the_catalogue(void **state) {
+    (void)state;
+    const girih_mesh *mesh = make_torus(12, 8);
+    stages s = stages_begin(girih_catalogue_dyadic(), &mesh, 1, NULL, 0, baked);
+    for (uint32_t most = 0; most <= 8; ++most) {
+        const girih_frame frame = {.rule = GIRIH_LEVEL_RANDOM_LEVEL, .segments = most, .seed = 3};
+        stages_frame(&s, &frame);
+        girih_twin_levels(&s.arrays);
+        uint32_t seen[7] = {0};
+        for (uint32_t edge = 0; edge < mesh->edge_count; ++edge) {
+            assert_true(edge_level(&s, edge) <= most && edge_level(&s, edge) <= 6);
+            ++seen[edge_level(&s, edge)];
+        }
+        const uint32_t mean = mesh->edge_count / (most + 1);
+        for (uint32_t level = 0; level <= most && level < 6; ++level) {
+            assert_true(seen[level] > mean / 2 && seen[level] < 2 * mean);
+        }
+        const uint64_t clamped = stages_statistics(&s).clamped_edges;
+        assert_true(most <= 6 ? clamped == 0 : clamped > 0 && clamped < seen[6]);
+    }
+    stages_end(&s);
+    girih_mesh_destroy(mesh);
+}
+
 static void dyadic_levels_round_up(void **state) {
     (void)state;
     const girih_mesh *mesh = make_torus(12, 8);
@@ -219,7 +244,7 @@ static void lengths_agree_with_double_precision(void **state) {
         girih_frame frame = {.rule = GIRIH_LEVEL_EDGE_PIXELS,
                              .length = 8.0f,
                              .pixels_per_unit = 90.0f * (float)seed,
-                             .near_distance = 0.5f};
+                             .near_distance = 0.25f + (float)(seed % 4)};
         check_lengths(girih_catalogue_dyadic(), frame, seed, &checked);
         check_lengths(girih_catalogue_linear(), frame, seed, &checked);
         frame.orthographic = 1;
@@ -301,6 +326,7 @@ static void frames_that_cannot_be_meant_are_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_levels_depend_on_positions_alone),
+        cmocka_unit_test(random_levels_of_the_catalogue),
         cmocka_unit_test(dyadic_levels_round_up),
         cmocka_unit_test(random_clamps_are_counted),
         cmocka_unit_test(lengths_agree_with_double_precision),

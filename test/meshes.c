@@ -19,7 +19,7 @@ float draw_float(uint64_t *state, float low, float high) {
     return low + (high - low) * ((float)(draw_number(state) >> 8) * 0x1p-24f);
 }
 
-// --- Building ---------------------------------------------------------------------------------------
+// --- Building ----------------------------------------------------------------------------------
 
 typedef struct builder {
     float *positions, *normals, *attributes;
@@ -82,7 +82,7 @@ static const girih_mesh *finish(builder *b, const char *name, const girih_submes
     return mesh;
 }
 
-// --- Icosphere --------------------------------------------------------------------------------------
+// --- Icosphere ---------------------------------------------------------------------------------
 
 static uint32_t add_sphere_point(builder *b, double x, double y, double z) {
     const double scale = 1.0 / sqrt(x * x + y * y + z * z);
@@ -155,7 +155,7 @@ const girih_mesh *make_icosphere(uint32_t halvings) {
     return finish(&b, "icosphere", NULL, 0);
 }
 
-// --- The others -------------------------------------------------------------------------------------
+// --- The others --------------------------------------------------------------------------------
 
 const girih_mesh *make_torus(uint32_t around, uint32_t across) {
     const double turn = 2.0 * acos(-1.0);

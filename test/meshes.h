@@ -1,5 +1,6 @@
-// Meshes for tests, prepared by girih_mesh_create. Every one has 2 attribute floats a vertex, so that any
-// of them can stand in one scene. They are destroyed with girih_mesh_destroy. A failure fails the test.
+// Meshes for tests, prepared by girih_mesh_create. Every one has 2 attribute floats a vertex, so
+// that any of them can stand in one scene. They are destroyed with girih_mesh_destroy. A failure
+// fails the test.
 #ifndef GIRIH_TEST_MESHES_H
 #define GIRIH_TEST_MESHES_H
 
@@ -13,17 +14,18 @@ float draw_float(uint64_t *state, float low, float high);
 // Unit sphere of 20 * 4^halvings triangles: closed, smooth, no seam, one submesh.
 const girih_mesh *make_icosphere(uint32_t halvings);
 
-// Torus around the z axis of 2 * around * across triangles: closed, smooth, no seam. The triangles of
-// the inner half are a second submesh with material 1.
+// Torus around the z axis of 2 * around * across triangles: closed, smooth, no seam. The triangles
+// of the inner half are a second submesh with material 1.
 const girih_mesh *make_torus(uint32_t around, uint32_t across);
 
 // Cube with corners at -1/2 and 1/2 of 12 triangles: closed. Hard: 24 vertices with face normals,
 // every edge of the cube is a seam. Otherwise 8 vertices with normals along the diagonals.
 const girih_mesh *make_cube(int hard);
 
-// Unit sphere of columns (>= 3) by rows (>= 2) with a UV seam: closed by position. The vertices of the
-// first column are stored twice with other attributes and normals, the poles once for each column;
-// some zero coordinates are negative. The lower rows are a second, two-sided submesh with material 2.
+// Unit sphere of columns (>= 3) by rows (>= 2) with a UV seam: closed by position. The vertices of
+// the first column are stored twice with other attributes and normals, the poles once for each
+// column; some zero coordinates are negative. The lower rows are a second, two-sided submesh with
+// material 2.
 const girih_mesh *make_seam_sphere(uint32_t columns, uint32_t rows);
 
 // Triangles between random points with random normals: open, non-manifold and flipped edges, and

@@ -13,7 +13,8 @@
 #define MESHES 6
 #define SEEDS 60
 
-static const uint32_t all_lists = GIRIH_OUTPUT_NO_DRAW | GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_SOURCES;
+static const uint32_t all_lists =
+    GIRIH_OUTPUT_NO_DRAW | GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_SOURCES;
 
 static const girih_mesh *make_mesh(int n) {
     switch (n) {
@@ -41,8 +42,8 @@ static const uint32_t *list(const stages *s, uint32_t binding) {
     return s->arrays.words[binding];
 }
 
-// The same triangles in the same order with the same first corner: positions, normals and attributes
-// bit for bit in the baked and the welded list, positions in the closed one.
+// The same triangles in the same order with the same first corner: positions, normals and
+// attributes bit for bit in the baked and the welded list, positions in the closed one.
 static void check_lists_agree(const stages *baked, const stages *welded) {
     const uint64_t corners = stages_statistics(baked).output_triangles * 3;
     const uint32_t attribute_bytes = (3 + baked->arrays.frame.attribute_floats) * 4;
@@ -81,9 +82,10 @@ static void modes_give_the_same_triangles(void **state) {
         const girih_mesh *mesh = make_mesh(n);
         stages baked = stages_begin(girih_catalogue_linear(), &mesh, 1, two_instances, 2,
                                     (girih_plan_shape){GIRIH_MODE_BAKED, all_lists, 0, 0, 0, 0});
-        stages welded = stages_begin(
-            girih_catalogue_linear(), &mesh, 1, two_instances, 2,
-            (girih_plan_shape){GIRIH_MODE_WELDED, all_lists | GIRIH_OUTPUT_CLOSED_INDICES, 0, 0, 0, 0});
+        stages welded =
+            stages_begin(girih_catalogue_linear(), &mesh, 1, two_instances, 2,
+                         (girih_plan_shape){GIRIH_MODE_WELDED,
+                                            all_lists | GIRIH_OUTPUT_CLOSED_INDICES, 0, 0, 0, 0});
         for (uint32_t seed = 0; seed < SEEDS; ++seed) {
             const girih_frame frame = {
                 .rule = GIRIH_LEVEL_RANDOM, .segments = 2 + seed % 6, .seed = seed};
@@ -99,7 +101,7 @@ static void modes_give_the_same_triangles(void **state) {
     }
 }
 
-// --- Sharing ----------------------------------------------------------------------------------------
+// --- Sharing -----------------------------------------------------------------------------------
 
 static uint32_t submesh_of(const girih_mesh *mesh, uint32_t triangle) {
     uint32_t part = 0;
@@ -110,7 +112,8 @@ static uint32_t submesh_of(const girih_mesh *mesh, uint32_t triangle) {
 }
 
 // The input vertices two triangles of one instance have in common.
-static uint32_t common_vertices(const girih_mesh *mesh, uint32_t a, uint32_t b, uint32_t common[3]) {
+static uint32_t common_vertices(const girih_mesh *mesh, uint32_t a, uint32_t b,
+                                uint32_t common[3]) {
     uint32_t count = 0;
     for (uint32_t n = 0; n < 9; ++n) {
         const uint32_t vertex = mesh->triangle_vertices[3 * a + n / 3];
@@ -144,8 +147,8 @@ static uint32_t segments_between(const stages *s, const girih_mesh *mesh, const 
     return 0;
 }
 
-// Two triangles share the vertices inside an edge if and only if they have both its corners' indices
-// and the submesh in common; corners by their index; nothing else is shared.
+// Two triangles share the vertices inside an edge if and only if they have both its corners'
+// indices and the submesh in common; corners by their index; nothing else is shared.
 static void check_sharing(const stages *s, const girih_mesh *mesh) {
     const uint64_t count = stages_statistics(s).output_triangles * 3;
     const uint32_t vertex_count = (uint32_t)stages_statistics(s).output_vertices;
@@ -173,7 +176,8 @@ static void check_sharing(const stages *s, const girih_mesh *mesh) {
         ++distinct;
         for (uint64_t a = first; a < end; ++a) {
             for (uint64_t b = a + 1; b < end; ++b) {
-                ++shared[(size_t)(uses[a].instance * mesh->triangle_count + uses[a].triangle) * triangles +
+                ++shared[(size_t)(uses[a].instance * mesh->triangle_count + uses[a].triangle) *
+                             triangles +
                          uses[b].instance * mesh->triangle_count + uses[b].triangle];
             }
         }
@@ -216,9 +220,10 @@ static void sharing_follows_the_indices(void **state) {
     }
 }
 
-// --- Sources and materials --------------------------------------------------------------------------
+// --- Sources and materials ---------------------------------------------------------------------
 
-// Each input triangle's output stands together, sorted by material, and is as many as its levels ask.
+// Each input triangle's output stands together, sorted by material, and is as many as its levels
+// ask.
 static void sources_and_materials(void **state) {
     (void)state;
     const girih_mesh *meshes[3] = {make_seam_sphere(8, 6), make_nothing(), make_torus(8, 6)};
@@ -257,7 +262,8 @@ static void sources_and_materials(void **state) {
             uint32_t largest = 0, sum = 0;
             for (uint32_t n = 0; n < 3; ++n) {
                 const uint32_t segments =
-                    1u << list(&s, GIRIH_BIND_LEVELS)[first_edge + mesh->triangle_edges[3 * triangle + n]];
+                    1u << list(
+                        &s, GIRIH_BIND_LEVELS)[first_edge + mesh->triangle_edges[3 * triangle + n]];
                 largest = segments > largest ? segments : largest;
                 sum += segments;
             }

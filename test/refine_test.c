@@ -55,8 +55,9 @@ static void gives_what_the_stages_give(void **state) {
         girih_cpu_output output = refine(&desc, &frame);
         stages s = stages_begin(
             girih_catalogue_dyadic(), &mesh, 1, NULL, 0,
-            (girih_plan_shape){.mode = mode == GIRIH_MODE_WELDED ? GIRIH_MODE_WELDED : GIRIH_MODE_BAKED,
-                               .outputs = desc.outputs | GIRIH_OUTPUT_NO_DRAW | GIRIH_OUTPUT_INDICES});
+            (girih_plan_shape){
+                .mode = mode == GIRIH_MODE_WELDED ? GIRIH_MODE_WELDED : GIRIH_MODE_BAKED,
+                .outputs = desc.outputs | GIRIH_OUTPUT_NO_DRAW | GIRIH_OUTPUT_INDICES});
         stages_refine(&s, &frame, GIRIH_SURFACE_PN);
         const girih_statistics statistics = stages_statistics(&s);
         // Up to the padding at the end.
@@ -73,7 +74,8 @@ static void gives_what_the_stages_give(void **state) {
         assert_memory_equal(output.sources, s.arrays.words[GIRIH_BIND_OUT_SOURCES],
                             (size_t)statistics.output_triangles * 8);
         if (mode == GIRIH_MODE_WELDED) {
-            assert_memory_equal(output.closed_indices, s.arrays.words[GIRIH_BIND_OUT_CLOSED_INDICES],
+            assert_memory_equal(output.closed_indices,
+                                s.arrays.words[GIRIH_BIND_OUT_CLOSED_INDICES],
                                 (size_t)statistics.output_triangles * 12);
         } else {
             assert_null(output.closed_indices);
@@ -108,8 +110,9 @@ static void overflow_is_drawn_at_level_0(void **state) {
         girih_cpu_output level0 = refine(&desc, &frame);
         assert_true(level0.statistics.overflow);
         assert_int_equal(level0.statistics.output_triangles, 2 * mesh->triangle_count);
-        assert_int_equal(level0.statistics.output_vertices,
-                         mode == GIRIH_MODE_WELDED ? 2 * mesh->vertex_count : 6 * mesh->triangle_count);
+        assert_int_equal(level0.statistics.output_vertices, mode == GIRIH_MODE_WELDED
+                                                                ? 2 * mesh->vertex_count
+                                                                : 6 * mesh->triangle_count);
         assert_int_equal(level0.statistics.needed_triangles, full.statistics.output_triangles);
         assert_int_equal(level0.statistics.needed_vertices, full.statistics.output_vertices);
         // It is the input: closed, outward, every point written.
@@ -169,8 +172,9 @@ static void what_cannot_be_done_is_refused(void **state) {
             "plan: instance 0 is of mesh 1, the scene has 1");
     instance.mesh = 0;
     instance.transform[7] = INFINITY;
-    refused(&desc, &frame, GIRIH_ERROR_INVALID_DATA,
-            "plan: element 7 of instance 0's transform is inf; it must be finite and at most 1e+15");
+    refused(
+        &desc, &frame, GIRIH_ERROR_INVALID_DATA,
+        "plan: element 7 of instance 0's transform is inf; it must be finite and at most 1e+15");
     girih_error error = {GIRIH_OK, ""};
     instance.transform[7] = NAN;
     girih_cpu_output output;
@@ -192,9 +196,10 @@ static void too_large_outputs_are_refused(void **state) {
     desc.instances = many;
     desc.instance_count = 300;
     const girih_frame frame = {.segments = 64};
-    refused(&desc, &frame, GIRIH_ERROR_TOO_LARGE,
-            "refine: 13178880000 vertices and 25165824000 triangles are needed, at most 2147483648 of "
-            "each can be written");
+    refused(
+        &desc, &frame, GIRIH_ERROR_TOO_LARGE,
+        "refine: 13178880000 vertices and 25165824000 triangles are needed, at most 2147483648 of "
+        "each can be written");
     free(many);
     girih_mesh_destroy(mesh);
 }
@@ -245,7 +250,7 @@ static void failed_allocations_are_reported(void **state) {
     girih_mesh_destroy(mesh);
 }
 
-// --- Packing ----------------------------------------------------------------------------------------
+// --- Packing -----------------------------------------------------------------------------------
 
 static float record_float(const uint32_t *record, uint32_t field) {
     float value;
@@ -280,7 +285,8 @@ static void normals_follow_the_inverse_transpose(void **state) {
         const double determinant = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
                                    m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
                                    m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-        assert_int_equal(record[GIRIH_INSTANCE_FLAGS], determinant < 0 ? GIRIH_INSTANCE_MIRRORED : 0);
+        assert_int_equal(record[GIRIH_INSTANCE_FLAGS],
+                         determinant < 0 ? GIRIH_INSTANCE_MIRRORED : 0);
         mirrored += determinant < 0;
         // N^T M is a positive multiple of the identity, and N is about 1 in size.
         double product[3][3], largest = 0.0;
@@ -354,7 +360,8 @@ static void instances_are_found(void **state) {
                          record[GIRIH_INSTANCE_FIRST_EDGE]);
         assert_int_equal(place->first_weld_edge + record[GIRIH_INSTANCE_WELD_DELTA],
                          record[GIRIH_INSTANCE_FIRST_WELD_EDGE]);
-        assert_int_equal((uint32_t)(place->first_vertex + record[GIRIH_INSTANCE_VERTEX_DELTA]), corner);
+        assert_int_equal((uint32_t)(place->first_vertex + record[GIRIH_INSTANCE_VERTEX_DELTA]),
+                         corner);
         assert_int_equal((uint32_t)(place->first_edge + record[GIRIH_INSTANCE_SEAM_DELTA]),
                          place->first_seam);
         corner += place->vertex_count;

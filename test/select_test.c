@@ -16,15 +16,15 @@
 static const girih_plan_shape baked = {.mode = GIRIH_MODE_BAKED,
                                        .outputs = GIRIH_OUTPUT_NO_DRAW | GIRIH_OUTPUT_INDICES};
 
-// --- Patterns ---------------------------------------------------------------------------------------
+// --- Patterns ----------------------------------------------------------------------------------
 
 static int compare_uint(const void *a, const void *b) {
     const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
     return (x > y) - (x < y);
 }
 
-// The key's permutation joins the right corners with the right edges, and its parity with the range's
-// winding gives the winding asked for.
+// The key's permutation joins the right corners with the right edges, and its parity with the
+// range's winding gives the winding asked for.
 static void check_key(const stages *s, const uint32_t levels[3], int mirrored) {
     const uint32_t key = s->arrays.words[GIRIH_BIND_KEYS][0];
     const uint32_t lambda = key & 7, range = key >> 3;
@@ -121,7 +121,8 @@ static void all_triples_are_placed_as_asked(void **state) {
         }
         stages_end(&s);
     }
-    // 10 sets of three distinct levels, each with 3 odd arrangements, and 3 even ones when mirrored.
+    // 10 sets of three distinct levels, each with 3 odd arrangements, and 3 even ones when
+    // mirrored.
     assert_int_equal(mirrored_ranges, 60);
     girih_mesh_destroy(mesh);
 }
@@ -143,7 +144,8 @@ static void ranges_and_replicas(void **state) {
         for (uint32_t rank = 0; rank < catalogues[n]->pattern_count; ++rank) {
             const girih_base_pattern *pattern = girih_catalogue_pattern(catalogues[n], rank);
             const uint32_t *record = words + (size_t)rank * GIRIH_PATTERN_WORDS;
-            const uint32_t count = pattern->triangle_count, replicas = record[GIRIH_PATTERN_REPLICAS];
+            const uint32_t count = pattern->triangle_count,
+                           replicas = record[GIRIH_PATTERN_REPLICAS];
             const int two = pattern->levels[0] > pattern->levels[1] &&
                             pattern->levels[1] > pattern->levels[2];
             assert_true(replicas == 1 || replicas * count <= GIRIH_DRAW_TRIANGLES);
@@ -161,21 +163,23 @@ static void ranges_and_replicas(void **state) {
                     const uint32_t corner = m % 3;
                     const uint32_t source =
                         m % (3 * count) - corner + (mirrored && corner > 0 ? 3 - corner : corner);
-                    const uint32_t index = indices[(first + m) / 2] >> 16 * ((first + m) % 2) & 0xffff;
+                    const uint32_t index =
+                        indices[(first + m) / 2] >> 16 * ((first + m) % 2) & 0xffff;
                     if (index != girih_catalogue_index(catalogues[n], pattern, source) +
                                      m / (3 * count) * pattern->vertex_count) {
                         fail_msg("rank %u, index %u", rank, m);
                     }
                 }
             }
-            assert_true(two || record[GIRIH_PATTERN_FIRST_MIRRORED] == record[GIRIH_PATTERN_FIRST_INDEX]);
+            assert_true(two ||
+                        record[GIRIH_PATTERN_FIRST_MIRRORED] == record[GIRIH_PATTERN_FIRST_INDEX]);
         }
         assert_int_equal(range, expected_ranges[n]);
         girih_arrays_free(&arrays, 0, GIRIH_BIND_COUNT);
     }
 }
 
-// --- Culling ----------------------------------------------------------------------------------------
+// --- Culling -----------------------------------------------------------------------------------
 
 typedef struct point {
     double v[3];
@@ -272,7 +276,8 @@ static void sample(const bezier *z, double u, double v, point *position, point *
             *position = combine(*position, 1, z->b[i][j], weight(i, j, 3 - i - j, u, v, w));
             if (i + j <= 2) {
                 const double factor = weight(i, j, 2 - i - j, u, v, w);
-                along_v = combine(along_v, 1, combine(z->b[i][j + 1], 1, z->b[i + 1][j], -1), factor);
+                along_v =
+                    combine(along_v, 1, combine(z->b[i][j + 1], 1, z->b[i + 1][j], -1), factor);
                 along_w = combine(along_w, 1, combine(z->b[i][j], 1, z->b[i + 1][j], -1), factor);
             }
         }
@@ -320,9 +325,9 @@ static girih_frame draw_camera(uint64_t *random, int kind) {
     right = combine(right, 1 / sqrt(dot(right, right)), up, 0);
     const point above = cross(right, forward);
     const double slope = (double)draw_float(random, 0.1f, 1.0f);
-    const point normals[6] = {combine(forward, slope, right, 1),  combine(forward, slope, right, -1),
-                              combine(forward, slope, above, 1),  combine(forward, slope, above, -1),
-                              combine(forward, 1, forward, 0),    combine(forward, -1, forward, 0)};
+    const point normals[6] = {combine(forward, slope, right, 1), combine(forward, slope, right, -1),
+                              combine(forward, slope, above, 1), combine(forward, slope, above, -1),
+                              combine(forward, 1, forward, 0),   combine(forward, -1, forward, 0)};
     for (int n = 0; n < 6; ++n) {
         double offset = -dot(normals[n], eye);
         offset += n == 4 ? -0.5 : n == 5 ? 4.0 : 0.0;
@@ -375,12 +380,14 @@ static void nothing_seen_is_culled(void **state) {
         check_culling(soup, seed + 100, 12, 1, &culled, &unseen);
         girih_mesh_destroy(soup);
     }
-    print_message("soup: %.1f %% of the unseen triangles culled\n", 100.0 * (double)culled / (double)unseen);
+    print_message("soup: %.1f %% of the unseen triangles culled\n",
+                  100.0 * (double)culled / (double)unseen);
     culled = unseen = 0;
     const girih_mesh *sphere = make_icosphere(2);
     check_culling(sphere, 1234, 24, 0, &culled, &unseen);
     girih_mesh_destroy(sphere);
-    print_message("sphere: %.1f %% of the unseen triangles culled\n", 100.0 * (double)culled / (double)unseen);
+    print_message("sphere: %.1f %% of the unseen triangles culled\n",
+                  100.0 * (double)culled / (double)unseen);
     assert_true(culled * 10 > unseen * 3);
 }
 
@@ -393,8 +400,8 @@ static void back_faces_of_a_sphere_are_culled(void **state) {
     stages_frame(&s, &frame);
     stages_count(&s, GIRIH_SURFACE_PN);
     const double part = (double)stages_statistics(&s).culled_triangles / sphere->triangle_count;
-    print_message("back faces culled on a sphere of %u triangles: %.1f %%\n", sphere->triangle_count,
-                  100.0 * part);
+    print_message("back faces culled on a sphere of %u triangles: %.1f %%\n",
+                  sphere->triangle_count, 100.0 * part);
     assert_true(part > 0.3 && part < 0.7);
     stages_end(&s);
     girih_mesh_destroy(sphere);
@@ -404,7 +411,8 @@ static void back_faces_of_a_sphere_are_culled(void **state) {
 // place in the world tells.
 static void far_meshes_are_not_culled(void **state) {
     (void)state;
-    static const float far[3][3] = {{1e6f, 1e6f, 1e6f}, {1e6f + 1, 1e6f, 1e6f}, {1e6f, 1e6f + 1, 1e6f}};
+    static const float far[3][3] = {
+        {1e6f, 1e6f, 1e6f}, {1e6f + 1, 1e6f, 1e6f}, {1e6f, 1e6f + 1, 1e6f}};
     static const uint32_t indices[3] = {0, 1, 2};
     const girih_mesh_desc desc = {
         .vertex_count = 3, .positions = far[0], .indices = indices, .index_count = 3};

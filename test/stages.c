@@ -121,7 +121,7 @@ void stages_normal(const stages *s, uint32_t vertex, float normal[3]) {
            3 * sizeof(float));
 }
 
-// --- Audit ------------------------------------------------------------------------------------------
+// --- Audit -------------------------------------------------------------------------------------
 
 static size_t table_size(uint64_t count) {
     size_t size = 16;

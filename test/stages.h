@@ -12,8 +12,9 @@ typedef struct stages {
 
 extern const float identity_transform[12];
 
-// Packs catalogue, scene and plan. shape.max_* 0: as large as 32 bits can count. With instances NULL
-// every mesh is placed once by the identity. All of the plan's arrays get memory; outputs do not.
+// Packs catalogue, scene and plan. shape.max_* 0: as large as 32 bits can count. With instances
+// NULL every mesh is placed once by the identity. All of the plan's arrays get memory; outputs do
+// not.
 stages stages_begin(const girih_catalogue *catalogue, const girih_mesh *const *meshes,
                     uint32_t mesh_count, const girih_instance *instances, uint32_t instance_count,
                     girih_plan_shape shape);

@@ -125,10 +125,12 @@ static girih_result create_pipeline(const girih_pipelines *pipelines, const giri
         .polygonMode = key->line ? VK_POLYGON_MODE_LINE : VK_POLYGON_MODE_FILL,
         .cullMode = key->cull,
         .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
-        // Lines lie a little nearer than the triangles they run along; depth is reversed.
-        .depthBiasEnable = key->line,
-        .depthBiasConstantFactor = 16.0f,
-        .depthBiasSlopeFactor = 1.0f,
+        // Lines lie a little nearer than the triangles they run along; depth is reversed. At a
+        // silhouette front and back faces meet, and rounding may put either first. A closed surface has
+        // a front face wherever it has a back face, so pushed back, these show through holes alone.
+        .depthBiasEnable = key->line || key->behind,
+        .depthBiasConstantFactor = key->line ? 16.0f : -64.0f,
+        .depthBiasSlopeFactor = key->line ? 1.0f : -2.0f,
         .lineWidth = 1.0f,
     };
     VkPipelineMultisampleStateCreateInfo multisample = {
@@ -179,7 +181,7 @@ static bool keys_equal(const girih_pipeline_key *a, const girih_pipeline_key *b)
         return a->background == b->background;
     }
     return a->instanced == b->instanced && a->surface == b->surface && a->has_texcoord == b->has_texcoord &&
-           a->has_color == b->has_color && a->alpha_mode == b->alpha_mode && a->cull == b->cull && a->line == b->line;
+           a->has_color == b->has_color && a->alpha_mode == b->alpha_mode && a->cull == b->cull && a->line == b->line && a->behind == b->behind;
 }
 
 girih_result girih_pipelines_get(girih_pipelines *pipelines, const girih_pipeline_key *key, const girih_plan *plan,

@@ -41,6 +41,7 @@ typedef struct girih_pipeline_key {
     girih_gltf_alpha_mode alpha_mode;
     VkCullModeFlags cull;
     bool line;
+    bool behind; // back faces in their own colour, pushed away from the viewer a little
 } girih_pipeline_key;
 
 typedef struct girih_pipelines {

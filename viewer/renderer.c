@@ -438,6 +438,7 @@ static girih_material_block material_block(const girih_gltf_material *material) 
 
 static girih_result draw_material(girih_renderer *renderer, const girih_drawing *drawing, uint32_t number,
                                   VkCullModeFlags cull, bool line, girih_error *error) {
+    bool shows_back_faces = renderer->desc.has_back_face_color && cull == VK_CULL_MODE_FRONT_BIT;
     const girih_model *model = renderer->desc.model;
     const girih_gltf_material *material = find_material(model, number);
     VkCommandBuffer commands = renderer->device->commands;
@@ -450,6 +451,7 @@ static girih_result draw_material(girih_renderer *renderer, const girih_drawing 
         .alpha_mode = material != NULL ? material->alpha_mode : GIRIH_GLTF_ALPHA_OPAQUE,
         .cull = cull,
         .line = line,
+        .behind = shows_back_faces,
     };
     VkPipeline pipeline;
     girih_result result = girih_pipelines_get(&renderer->pipelines, &key, drawing->plan, &pipeline, error);
@@ -486,7 +488,8 @@ static void set_viewport(const girih_renderer *renderer, uint32_t x, uint32_t wi
     vkCmdSetScissor(renderer->device->commands, 0, 1, &scissor);
 }
 
-// Opaque materials, then blended ones, each of these with its far side first; lines over all.
+// Opaque materials, then blended ones, each of these with its far side first; lines over all. Back
+// faces in a colour of their own are always a drawing of their own.
 static girih_result draw_materials(girih_renderer *renderer, const girih_drawing *drawing, girih_error *error) {
     const girih_model *model = renderer->desc.model;
     girih_result result = GIRIH_OK;
@@ -499,7 +502,7 @@ static girih_result draw_materials(girih_renderer *renderer, const girih_drawing
             if (layer == 2) {
                 result = draw_material(renderer, drawing, n, cull, true, error);
             } else if (layer == (is_blended ? 1 : 0)) {
-                if (is_blended && two_sided) {
+                if (two_sided && (is_blended || renderer->desc.has_back_face_color)) {
                     result = draw_material(renderer, drawing, n, VK_CULL_MODE_FRONT_BIT, false, error);
                     cull = VK_CULL_MODE_BACK_BIT;
                 }

@@ -1,6 +1,6 @@
-// Stage 4 on the CPU: where each group's output begins, whether all of it fits, and the arguments of the
-// draws. The only stage that clamps. Twin of glsl/dispatch.comp; sums that the shader carries in two
-// words are 64 bits wide here.
+// Stage 4 on the CPU: where each group's output begins, whether all of it fits, and the arguments
+// of the draws. The only stage that clamps. Twin of glsl/dispatch.comp; sums that the shader
+// carries in two words are 64 bits wide here.
 #include <stdbool.h>
 
 #include "scene.h"
@@ -19,8 +19,8 @@ typedef struct sums {
     uint32_t groups;
 } sums;
 
-// Items of a group as it will be drawn. After an overflow the first group of a material, base pattern
-// [0,0,0], takes all of its triangles.
+// Items of a group as it will be drawn. After an overflow the first group of a material, base
+// pattern [0,0,0], takes all of its triangles.
 static span group_items(const girih_arrays *arrays, uint32_t group, bool level0) {
     if (!level0) {
         return (span){girih_group_word(arrays, group, GIRIH_GROUP_FIRST),
@@ -41,6 +41,32 @@ static span group_items(const girih_arrays *arrays, uint32_t group, bool level0)
     return all.end == 0 ? (span){0, 0} : all;
 }
 
+// Vertices of a pattern that an item of it adds to the output.
+static uint32_t item_vertices(const girih_arrays *arrays, uint32_t rank) {
+    uint32_t vertices = girih_pattern(arrays, rank, GIRIH_PATTERN_VERTICES);
+    if (arrays->frame.output_mode == GIRIH_OUTPUT_WELDED) {
+        for (uint32_t n = 0; n < 3; ++n) {
+            vertices -= girih_pattern(arrays, rank, GIRIH_PATTERN_SEGMENTS + n);
+        }
+    }
+    return vertices;
+}
+
+// What evaluate and output need of the group `group` whose items are drawn as those of group `drawn`.
+static void write_record(girih_arrays *arrays, uint32_t group, uint32_t drawn, uint32_t first_item) {
+    const uint32_t range = drawn % arrays->frame.range_count;
+    const uint32_t rank = girih_range_rank(arrays, range);
+    const bool mirrored = range != girih_pattern(arrays, rank, GIRIH_PATTERN_RANGE);
+    uint32_t *words = arrays->words[GIRIH_BIND_GROUPS] + (size_t)group * GIRIH_GROUP_WORDS;
+    words[GIRIH_GROUP_RANK] = rank | (mirrored ? GIRIH_GROUP_MIRRORED : 0u);
+    words[GIRIH_GROUP_VERTICES] = girih_pattern(arrays, rank, GIRIH_PATTERN_VERTICES);
+    words[GIRIH_GROUP_PATTERN_VERTEX] = girih_pattern(arrays, rank, GIRIH_PATTERN_FIRST_VERTEX);
+    words[GIRIH_GROUP_BASE_VERTEX] = girih_group_word(arrays, drawn, GIRIH_GROUP_FIRST_VERTEX) -
+                                     first_item * item_vertices(arrays, rank);
+    words[GIRIH_GROUP_BASE_TRIANGLE] = girih_group_word(arrays, drawn, GIRIH_GROUP_FIRST_TRIANGLE) -
+                                       first_item * girih_pattern(arrays, rank, GIRIH_PATTERN_TRIANGLES);
+}
+
 // Adds what one group adds.
 static void add_group(const girih_arrays *arrays, uint32_t group, span items, sums *total) {
     const uint32_t count = items.end - items.first;
@@ -48,14 +74,8 @@ static void add_group(const girih_arrays *arrays, uint32_t group, span items, su
         return;
     }
     const uint32_t rank = girih_range_rank(arrays, group % arrays->frame.range_count);
-    uint32_t vertices = girih_pattern(arrays, rank, GIRIH_PATTERN_VERTICES);
-    if (arrays->frame.output_mode == GIRIH_OUTPUT_WELDED) {
-        for (uint32_t n = 0; n < 3; ++n) {
-            vertices -= girih_pattern(arrays, rank, GIRIH_PATTERN_SEGMENTS + n);
-        }
-    }
     const uint32_t replicas = girih_pattern(arrays, rank, GIRIH_PATTERN_REPLICAS);
-    total->vertices += (uint64_t)count * vertices;
+    total->vertices += (uint64_t)count * item_vertices(arrays, rank);
     total->triangles += (uint64_t)count * girih_pattern(arrays, rank, GIRIH_PATTERN_TRIANGLES);
     total->draws += (count + replicas - 1) / replicas;
     total->chunks += count * (girih_pattern(arrays, rank, GIRIH_PATTERN_CHUNKS) - 1);
@@ -82,8 +102,8 @@ static void write_instanced_draw(girih_arrays *arrays, uint32_t group, uint32_t 
     draw[4] = items.first;
 }
 
-// Where each group's output begins. The groups' bounds stay as they are: level 0 reads those of all of
-// a material's groups.
+// Where each group's output begins. The groups' bounds stay as they are: level 0 reads those of all
+// of a material's groups.
 static void write_groups(girih_arrays *arrays, bool level0, uint64_t border) {
     const girih_frame_block *frame = &arrays->frame;
     uint32_t *status = arrays->words[GIRIH_BIND_STATUS];
@@ -96,6 +116,9 @@ static void write_groups(girih_arrays *arrays, bool level0, uint64_t border) {
         words[GIRIH_GROUP_FIRST_TRIANGLE] = (uint32_t)before.triangles;
         words[GIRIH_GROUP_FIRST_DRAW] = before.draws;
         words[GIRIH_GROUP_FIRST_CHUNK] = before.chunks;
+        if (!level0) {
+            write_record(arrays, group, group, items.first);
+        }
         const uint32_t range = group % frame->range_count;
         const uint32_t rank = girih_range_rank(arrays, range);
         if (items.end != items.first) {
@@ -123,6 +146,7 @@ static void merge_groups(girih_arrays *arrays) {
         for (uint32_t n = 0; n < frame->range_count; ++n, words += GIRIH_GROUP_WORDS) {
             words[GIRIH_GROUP_FIRST] = n == 0 ? items.first : items.end;
             words[GIRIH_GROUP_END] = items.end;
+            write_record(arrays, group + n, group, items.first);
         }
     }
 }
@@ -161,9 +185,9 @@ static void write_status(girih_arrays *arrays, const sums *total, uint64_t verti
     status[GIRIH_STATUS_EVALUATE + 2] = 1;
 }
 
-// The arguments of the baked draw `slot`. A group of C triangles whose pattern's indices are replicated
-// R times is drawn by ceil(C / R) draws, each with its own vertex offset; what is left of a material's
-// draws is empty.
+// The arguments of the baked draw `slot`. A group of C triangles whose pattern's indices are
+// replicated R times is drawn by ceil(C / R) draws, each with its own vertex offset; what is left
+// of a material's draws is empty.
 static void write_baked_draw(girih_arrays *arrays, uint32_t slot) {
     const girih_frame_block *frame = &arrays->frame;
     const uint32_t material = slot / frame->draws_per_material;

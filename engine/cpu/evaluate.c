@@ -1,5 +1,5 @@
-// Stage 5 on the CPU: patches for the instanced mode, or the surface's points for the baked and welded
-// modes. Twin of glsl/evaluate.comp.
+// Stage 5 on the CPU: patches for the instanced mode, or the surface's points for the baked and
+// welded modes. Twin of glsl/evaluate.comp.
 #include "item.h"
 
 // Copied, not assigned as words: girih_cpu_output hands the same memory out as floats.
@@ -42,17 +42,20 @@ static void write_patch(girih_arrays *arrays, uint32_t number, girih_surface sur
         words += 9;
     }
     memcpy(words, vertices, sizeof vertices);
-    words[3] = item.group << 3 | item.lambda;
+    const bool overflow =
+        (girih_word(arrays, GIRIH_BIND_STATUS, GIRIH_STATUS_FLAGS) & GIRIH_STATUS_OVERFLOW) != 0;
+    const uint32_t group =
+        overflow ? item.group - item.group % arrays->frame.range_count : item.group;
+    words[3] = group << 3 | item.lambda;
 }
 
 static void write_points(girih_arrays *arrays, uint32_t number, girih_surface surface) {
     const uint32_t attribute_floats = arrays->frame.attribute_floats;
     const uint32_t *attributes = arrays->words[GIRIH_BIND_ATTRIBUTES];
     const girih_item item = girih_read_item(arrays, number);
-    const uint32_t count = girih_pattern(arrays, item.rank, GIRIH_PATTERN_VERTICES);
+    const uint32_t count = girih_group_word(arrays, item.group, GIRIH_GROUP_VERTICES);
     const uint32_t first =
-        girih_group_word(arrays, item.group, GIRIH_GROUP_FIRST_VERTEX) +
-        (number - girih_group_word(arrays, item.group, GIRIH_GROUP_FIRST)) * count;
+        girih_group_word(arrays, item.group, GIRIH_GROUP_BASE_VERTEX) + number * count;
     const bool welded = arrays->frame.output_mode == GIRIH_OUTPUT_WELDED;
     uint32_t vertices[3];
     girih_item_vertices(arrays, &item, vertices);
@@ -64,7 +67,7 @@ static void write_points(girih_arrays *arrays, uint32_t number, girih_surface su
     girih_item_patch(arrays, &item, vertices, surface, &p);
     const uint32_t *pattern_vertices =
         arrays->words[GIRIH_BIND_PATTERN_VERTICES] +
-        girih_pattern(arrays, item.rank, GIRIH_PATTERN_FIRST_VERTEX);
+        girih_group_word(arrays, item.group, GIRIH_GROUP_PATTERN_VERTEX);
     for (uint32_t n = 0; n < count; ++n) {
         const uint32_t vertex = welded ? girih_weld_vertex(&weld, n) : first + n;
         const uint32_t ui = pattern_vertices[n] & 0xffff;

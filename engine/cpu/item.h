@@ -1,5 +1,5 @@
-// Twin of glsl/patch.glsl: from a sorted item to its patch, the corners permuted by lambda, the control
-// points in world space.
+// Twin of glsl/patch.glsl: from a sorted item to its patch, the corners permuted by lambda, the
+// control points in world space.
 #ifndef GIRIH_ENGINE_CPU_ITEM_H
 #define GIRIH_ENGINE_CPU_ITEM_H
 
@@ -24,7 +24,6 @@ typedef struct girih_item {
 } girih_item;
 
 static inline girih_item girih_read_item(const girih_arrays *arrays, uint32_t number) {
-    const uint32_t range_count = arrays->frame.range_count;
     const uint32_t *words = arrays->words[GIRIH_BIND_ITEMS] + (size_t)number * GIRIH_ITEM_WORDS;
     const uint32_t triangle = words[GIRIH_ITEM_TRIANGLE];
     const uint32_t key = words[GIRIH_ITEM_KEY];
@@ -38,14 +37,13 @@ static inline girih_item girih_read_item(const girih_arrays *arrays, uint32_t nu
     item.lambda = key & 7;
     if ((girih_word(arrays, GIRIH_BIND_STATUS, GIRIH_STATUS_FLAGS) & GIRIH_STATUS_OVERFLOW) != 0) {
         // Drawn at level 0: base pattern [0,0,0], whose permutation only has to keep the winding.
-        item.group -= item.group % range_count;
         const bool mirror = (girih_instance_word(arrays, item.instance, GIRIH_INSTANCE_FLAGS) &
                              GIRIH_INSTANCE_MIRRORED) != 0;
         item.lambda = mirror ? GIRIH_LAMBDA_ODD_IJ(0u) : 0;
     }
-    const uint32_t range = item.group % range_count;
-    item.rank = girih_range_rank(arrays, range);
-    item.mirrored = range != girih_pattern(arrays, item.rank, GIRIH_PATTERN_RANGE);
+    const uint32_t rank = girih_group_word(arrays, item.group, GIRIH_GROUP_RANK);
+    item.rank = rank & ~GIRIH_GROUP_MIRRORED;
+    item.mirrored = (rank & GIRIH_GROUP_MIRRORED) != 0;
     const uint32_t corners = GIRIH_LAMBDA_CORNERS(item.lambda);
     const uint32_t edges = GIRIH_LAMBDA_EDGES(item.lambda);
     for (uint32_t n = 0; n < 3; ++n) {
@@ -77,7 +75,8 @@ static inline void girih_item_curve(const girih_arrays *arrays, const girih_item
         }
     }
     const girih_pn_points c = girih_make_pn_points(
-        arrays, p, n, edges, girih_instance_word(arrays, item->instance, GIRIH_INSTANCE_SEAM_DELTA));
+        arrays, p, n, edges,
+        girih_instance_word(arrays, item->instance, GIRIH_INSTANCE_SEAM_DELTA));
     patch->b210 = girih_transform_point(t, c.b210);
     patch->b120 = girih_transform_point(t, c.b120);
     patch->b021 = girih_transform_point(t, c.b021);
@@ -116,7 +115,7 @@ static inline void girih_item_patch(const girih_arrays *arrays, const girih_item
 // Where a base pattern's vertices go when points are shared (GIRIH_OUTPUT_WELDED).
 typedef struct girih_weld {
     uint32_t corners[3];  // output vertex of each corner
-    uint32_t edges[3];    // output vertex of the first inner vertex of each edge, in canonical order
+    uint32_t edges[3]; // output vertex of the first inner vertex of each edge, in canonical order
     bool reversed[3];     // the pattern runs along the edge against the canonical order
     uint32_t segments[3];
     uint32_t interior;    // output vertex of the first interior vertex
@@ -148,14 +147,14 @@ static inline girih_weld girih_item_weld(const girih_arrays *arrays, const girih
         weld.segments[n] = girih_pattern(arrays, item->rank, GIRIH_PATTERN_SEGMENTS + n);
         border += weld.segments[n];
     }
-    const uint32_t interior = girih_pattern(arrays, item->rank, GIRIH_PATTERN_VERTICES) - border;
+    const uint32_t interior = girih_group_word(arrays, item->group, GIRIH_GROUP_VERTICES) - border;
     weld.interior =
-        girih_group_word(arrays, item->group, GIRIH_GROUP_FIRST_VERTEX) +
-        (item->number - girih_group_word(arrays, item->group, GIRIH_GROUP_FIRST)) * interior;
+        girih_group_word(arrays, item->group, GIRIH_GROUP_BASE_VERTEX) + item->number * interior;
     return weld;
 }
 
-// The output vertex of the base pattern's vertex n: corners, inner vertices of edges 1, 2, 3, interior.
+// The output vertex of the base pattern's vertex n: corners, inner vertices of edges 1, 2, 3,
+// interior.
 static inline uint32_t girih_weld_vertex(const girih_weld *weld, uint32_t n) {
     if (n < 3) {
         return weld->corners[n];

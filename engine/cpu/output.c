@@ -13,9 +13,8 @@ static uint32_t pattern_index(const girih_arrays *arrays, uint32_t n) {
 static void write_triangles(girih_arrays *arrays, uint32_t number, uint32_t outputs) {
     const girih_item item = girih_read_item(arrays, number);
     const uint32_t count = girih_pattern(arrays, item.rank, GIRIH_PATTERN_TRIANGLES);
-    const uint32_t local = number - girih_group_word(arrays, item.group, GIRIH_GROUP_FIRST);
     const uint32_t first =
-        girih_group_word(arrays, item.group, GIRIH_GROUP_FIRST_TRIANGLE) + local * count;
+        girih_group_word(arrays, item.group, GIRIH_GROUP_BASE_TRIANGLE) + number * count;
     const bool welded = arrays->frame.output_mode == GIRIH_OUTPUT_WELDED;
     const bool closed = (outputs & GIRIH_OUTPUT_BIT_CLOSED_INDICES) != 0;
     uint32_t first_vertex = 0;
@@ -29,8 +28,8 @@ static void write_triangles(girih_arrays *arrays, uint32_t number, uint32_t outp
             closed_weld = girih_item_weld(arrays, &item, vertices, true);
         }
     } else {
-        first_vertex = girih_group_word(arrays, item.group, GIRIH_GROUP_FIRST_VERTEX) +
-                       local * girih_pattern(arrays, item.rank, GIRIH_PATTERN_VERTICES);
+        first_vertex = girih_group_word(arrays, item.group, GIRIH_GROUP_BASE_VERTEX) +
+                       number * girih_group_word(arrays, item.group, GIRIH_GROUP_VERTICES);
     }
     const uint32_t first_index =
         girih_pattern(arrays, item.rank,

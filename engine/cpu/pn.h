@@ -1,20 +1,21 @@
-// Twin of glsl/pn.glsl: control points of Curved PN triangles (Vlachos et al. 2001) with one curve per
-// shared edge (PN-AEN; McDonald, Kilgard 2010).
+// Twin of glsl/pn.glsl: control points of Curved PN triangles (Vlachos et al. 2001) with one curve
+// per shared edge (PN-AEN; McDonald, Kilgard 2010).
 #ifndef GIRIH_ENGINE_CPU_PN_H
 #define GIRIH_ENGINE_CPU_PN_H
 
 #include "scene.h"
 
-// The control point near p of the edge from p to q, for the normal n at p: (2p + q - ((q - p)·n) n) / 3.
+// The control point near p of the edge from p to q, for the normal n at p:
+// (2p + q - ((q - p)·n) n) / 3.
 static inline girih_vector girih_pn_edge_point(girih_vector p, girih_vector q, girih_vector n) {
     const float rise = girih_dot(girih_subtract(q, p), n);
     return girih_scale(girih_subtract(girih_add(girih_add(p, p), q), girih_scale(n, rise)),
                        1.0f / 3.0f);
 }
 
-// Both control points of an edge from p to q. `edge` is the word of TRIANGLE_EDGES with its reversal
-// relative to the direction p to q. At a seam the curve is the mean of both sides' curves, added in
-// the seam's own order.
+// Both control points of an edge from p to q. `edge` is the word of TRIANGLE_EDGES with its
+// reversal relative to the direction p to q. At a seam the curve is the mean of both sides' curves,
+// added in the seam's own order.
 static inline void girih_pn_edge(const girih_arrays *arrays, girih_vector p, girih_vector q,
                                  girih_vector normal_p, girih_vector normal_q, uint32_t edge,
                                  uint32_t seam_delta, girih_vector *near_p, girih_vector *near_q) {

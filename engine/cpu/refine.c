@@ -59,8 +59,9 @@ static girih_result count_output(girih_arrays *arrays, const girih_cpu_desc *des
         result = girih_pack_frame(arrays, frame, error);
     }
     // The sort's counters and spare items, and the draws, are the GPU's alone.
-    static const uint32_t written[] = {GIRIH_BIND_LEVELS, GIRIH_BIND_KEYS,   GIRIH_BIND_ITEMS,
-                                       GIRIH_BIND_GROUPS, GIRIH_BIND_STATUS, GIRIH_BIND_WELD_OFFSETS};
+    static const uint32_t written[] = {GIRIH_BIND_LEVELS, GIRIH_BIND_KEYS,
+                                       GIRIH_BIND_ITEMS,  GIRIH_BIND_GROUPS,
+                                       GIRIH_BIND_STATUS, GIRIH_BIND_WELD_OFFSETS};
     for (size_t n = 0; n < sizeof written / sizeof *written && result == GIRIH_OK; ++n) {
         const uint64_t count = arrays->count[written[n]];
         arrays->words[written[n]] =
@@ -104,10 +105,11 @@ static girih_result allocate(void *memory, uint64_t count, size_t size, girih_er
     void *allocated =
         count <= SIZE_MAX ? girih_allocate_array((size_t)count, size) : NULL;
     memcpy(memory, &allocated, sizeof allocated);
-    return allocated ? GIRIH_OK
-                     : girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY,
-                                  "refine: no memory for %" PRIu64 " records of %zu bytes of output",
-                                  count, size);
+    return allocated
+               ? GIRIH_OK
+               : girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY,
+                            "refine: no memory for %" PRIu64 " records of %zu bytes of output",
+                            count, size);
 }
 
 static girih_result allocate_output(girih_cpu_output *output, uint32_t outputs,

@@ -30,8 +30,8 @@ static inline uint32_t girih_group_word(const girih_arrays *arrays, uint32_t gro
     return girih_word(arrays, GIRIH_BIND_GROUPS, (size_t)group * GIRIH_GROUP_WORDS + field);
 }
 
-// The instance that the plan's triangle, edge or weld edge `number` belongs to: `first` is the field
-// with an instance's first number, `blocks` where the words for this kind begin in BLOCKS.
+// The instance that the plan's triangle, edge or weld edge `number` belongs to: `first` is the
+// field with an instance's first number, `blocks` where the words for this kind begin in BLOCKS.
 static inline uint32_t girih_find_instance(const girih_arrays *arrays, uint32_t number,
                                            uint32_t first, uint32_t blocks) {
     if (arrays->frame.instance_count == 1) {

@@ -82,8 +82,8 @@ static bool faces_away(const girih_frame_block *frame, const girih_vector *p, in
         for (int n = 1; n < count; ++n) {
             radius = girih_max(radius, girih_length_bound(girih_subtract(w[n], w[0])));
         }
-        // Measured from corner 1, the flat triangle's own normal is perpendicular to its corners, so
-        // only curved control points add to the radius.
+        // Measured from corner 1, the flat triangle's own normal is perpendicular to its corners,
+        // so only curved control points add to the radius.
         for (int n = CORNERS; n < count; ++n) {
             lift = girih_max(lift, fabsf(girih_dot(normal, girih_subtract(w[n], w[0]))));
         }
@@ -173,8 +173,8 @@ void girih_twin_select(girih_arrays *arrays, girih_surface surface) {
             lambda += 4;
         }
         // An odd permutation turns the winding round, and so does a mirroring transform. Where two
-        // levels are equal, permutations of either parity serve, so the one that keeps the winding is
-        // taken; three distinct levels leave no choice and take the mirrored range.
+        // levels are equal, permutations of either parity serve, so the one that keeps the winding
+        // is taken; three distinct levels leave no choice and take the mirrored range.
         const bool mirrored = (girih_instance_word(arrays, instance, GIRIH_INSTANCE_FLAGS) &
                                GIRIH_INSTANCE_MIRRORED) != 0;
         uint32_t range = 0;

@@ -1,5 +1,5 @@
-// Twin of glsl/surfaces.glsl: a patch of three corners and their surroundings, and its points. Sums are
-// grouped symmetrically, so that both sides of an edge give the same bits; the shader tells why.
+// Twin of glsl/surfaces.glsl: a patch of three corners and their surroundings, and its points. Sums
+// are grouped symmetrically, so that both sides of an edge give the same bits, as the shader says.
 #ifndef GIRIH_ENGINE_CPU_SURFACES_H
 #define GIRIH_ENGINE_CPU_SURFACES_H
 

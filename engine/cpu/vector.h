@@ -73,8 +73,8 @@ static inline girih_vector girih_cross(girih_vector a, girih_vector b) {
     return (girih_vector){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// An upper bound of a vector's length without a root: sqrt(1 + a^2 + b^2) <= 1 + (a + b) / 2 for a, b
-// in [0,1].
+// An upper bound of a vector's length without a root: sqrt(1 + a^2 + b^2) <= 1 + (a + b) / 2 for a,
+// b in [0,1].
 static inline float girih_length_bound(girih_vector a) {
     const girih_vector m = girih_absolute(a);
     return 0.5f * (girih_max(girih_max(m.x, m.y), m.z) + ((m.x + m.y) + m.z));

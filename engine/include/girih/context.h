@@ -45,11 +45,12 @@ typedef struct girih_context_desc {
     uint32_t surfaces;                                // bit mask of 1 << girih_surface; 0: all
     girih_sort sort;
     int few_buffers;                                  // not 0: use 4 storage buffers a stage even where there are more
-    VkPipelineCache pipeline_cache;                   // may be VK_NULL_HANDLE
+    VkPipelineCache pipeline_cache;                   // may be VK_NULL_HANDLE; must outlive the context
     const VkAllocationCallbacks *allocation_callbacks; // may be NULL; must outlive the context
 } girih_context_desc;
 
-// Pipelines for one device and one catalogue. Immutable: any number of threads may use it.
+// Pipelines for one device and one catalogue. Any number of threads may use it at once: all that ever
+// changes are pipelines made, without a lock, when a plan first needs them.
 typedef struct girih_context girih_context;
 
 // On success *context is the caller's; record girih_cmd_upload_context once before the first use.

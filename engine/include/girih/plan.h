@@ -72,9 +72,9 @@ typedef enum girih_mode {
 } girih_mode;
 
 typedef enum girih_output_bits {
-    GIRIH_OUTPUT_INDICES = 1,        // 32-bit indices of every output triangle; always there when welded
+    GIRIH_OUTPUT_INDICES = 1,        // baked, welded: 32-bit indices of every output triangle; always there when welded
     GIRIH_OUTPUT_CLOSED_INDICES = 2, // welded, nothing culled: indices by position alone, closed where the input is
-    GIRIH_OUTPUT_SOURCES = 4,        // per output triangle: instance, and triangle of its girih_mesh
+    GIRIH_OUTPUT_SOURCES = 4,        // baked, welded: per output triangle: instance, and triangle of its girih_mesh
     GIRIH_OUTPUT_NO_DRAW = 8,        // no draw arguments are wanted
 } girih_output_bits;
 

@@ -1,0 +1,98 @@
+// Compute pipelines, one for each variant of each shader that a plan has needed.
+#include <stdatomic.h>
+
+#include "context.h"
+
+#define GIRIH_SHADERS_WANT_CODE
+#include "shader_list.h"
+
+typedef struct shader_code {
+    const uint32_t *words;
+    size_t bytes;
+} shader_code;
+
+static const shader_code shaders[GIRIH_SHADER_COUNT][2] = {
+#define GIRIH_SHADER_CODE(NAME) \
+    {{girih_spirv_##NAME, sizeof girih_spirv_##NAME}, {girih_spirv_##NAME##_few, sizeof girih_spirv_##NAME##_few}},
+    GIRIH_SHADERS(GIRIH_SHADER_CODE)
+#undef GIRIH_SHADER_CODE
+};
+
+// The bits of a variant that concern a shader: at most four, so that GIRIH_MAX_VARIANTS slots do.
+static uint32_t variant_mask(uint32_t shader) {
+    switch (shader) {
+    case GIRIH_SHADER_levels:
+        return GIRIH_VARIANT_INSTANCES | 7u << GIRIH_VARIANT_RULE_SHIFT;
+    case GIRIH_SHADER_select_flat:
+    case GIRIH_SHADER_select_pn:
+        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_CULL;
+    case GIRIH_SHADER_evaluate_patches_flat:
+    case GIRIH_SHADER_evaluate_patches_pn:
+    case GIRIH_SHADER_evaluate_points_flat:
+    case GIRIH_SHADER_evaluate_points_pn:
+        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES | GIRIH_VARIANT_WELDED;
+    case GIRIH_SHADER_output_lists:
+        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_WELDED;
+    case GIRIH_SHADER_output_weld_blocks:
+    case GIRIH_SHADER_output_weld_offsets:
+        return GIRIH_VARIANT_INSTANCES;
+    default:
+        return 0;
+    }
+}
+
+// The bits of variant that mask selects, moved together.
+static uint32_t variant_slot(uint32_t variant, uint32_t mask) {
+    uint32_t slot = 0;
+    uint32_t place = 0;
+    for (uint32_t bit = 0; bit < 32; ++bit) {
+        if (mask & 1u << bit) {
+            slot |= (variant >> bit & 1u) << place++;
+        }
+    }
+    return slot;
+}
+
+girih_result girih_pipeline_need(const girih_context *context, uint32_t shader, uint32_t variant, girih_error *error) {
+    const girih_functions *vk = &context->vk;
+    const uint32_t bits = variant & variant_mask(shader);
+    // The only part of a context that changes, and only from nothing to something.
+    _Atomic(VkPipeline) *slot = (_Atomic(VkPipeline) *)&context->pipelines[shader][variant_slot(bits, variant_mask(shader))];
+    if (atomic_load(slot)) {
+        return GIRIH_OK;
+    }
+    const shader_code code = shaders[shader][context->few_buffers];
+    const VkShaderModuleCreateInfo module_info = {
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code.bytes, .pCode = code.words};
+    VkShaderModule module;
+    VkResult result = vk->CreateShaderModule(context->device, &module_info, context->callbacks, &module);
+    if (result != VK_SUCCESS) {
+        return girih_vulkan_failed(error, "vkCreateShaderModule", "plan", result);
+    }
+    const VkSpecializationMapEntry entry = {.constantID = 0, .size = sizeof bits};
+    const VkSpecializationInfo specialization = {
+        .mapEntryCount = 1, .pMapEntries = &entry, .dataSize = sizeof bits, .pData = &bits};
+    const VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                              .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                        .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                                                        .module = module,
+                                                        .pName = "main",
+                                                        .pSpecializationInfo = &specialization},
+                                              .layout = context->pipeline_layout};
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    result = vk->CreateComputePipelines(context->device, context->pipeline_cache, 1, &info, context->callbacks, &pipeline);
+    vk->DestroyShaderModule(context->device, module, context->callbacks);
+    if (result != VK_SUCCESS) {
+        return girih_vulkan_failed(error, "vkCreateComputePipelines", "plan", result);
+    }
+    VkPipeline nothing = VK_NULL_HANDLE;
+    if (!atomic_compare_exchange_strong(slot, &nothing, pipeline)) {
+        vk->DestroyPipeline(context->device, pipeline, context->callbacks); // another thread was first
+    }
+    return GIRIH_OK;
+}
+
+VkPipeline girih_pipeline_get(const girih_context *context, uint32_t shader, uint32_t variant) {
+    const uint32_t mask = variant_mask(shader);
+    return atomic_load(&context->pipelines[shader][variant_slot(variant & mask, mask)]);
+}

@@ -1,0 +1,159 @@
+#!/usr/bin/env bash
+# The program girih as its users meet it: exit codes, messages, reports, files.
+# Usage: cli.sh GIRIH ASSETS_FOLDER
+set -uo pipefail
+
+girih=$1
+assets=$2
+folder=$(mktemp -d)
+trap 'rm -rf -- "$folder"' EXIT
+cd -- "$folder" || exit 1
+export GIRIH_VALIDATION=1
+failures=0
+
+fail() {
+    printf 'FAILED: %s\n' "$*"
+    failures=$((failures + 1))
+}
+
+# expect CODE ARGUMENT...: runs girih; its output lands in out and err.
+expect() {
+    local wanted=$1 code=0
+    shift
+    "$girih" "$@" >out 2>err </dev/null || code=$?
+    if [[ $code -ne $wanted ]]; then
+        fail "girih $*: exit code $code, not $wanted: $(head -c 400 err)"
+    fi
+}
+
+# One line on standard error that begins with "girih: ", nothing on standard output.
+expect_one_line() {
+    if [[ $(wc -l <err) -ne 1 || -s out || $(head -c 7 err) != 'girih: ' ]]; then
+        fail "$*: not one line: $(head -c 400 err)"
+    fi
+}
+
+# json EXPRESSION: evaluates to true with the printed object as o.
+json() {
+    python3 -c 'import json, sys
+o = json.load(open("out"))
+sys.exit(0 if eval(sys.argv[1]) else 1)' "$1" 2>>err || fail "JSON: not so: $1: $(tr -s " \n" " " <out | head -c 200)"
+}
+
+same() {
+    cmp -s "$1" "$2" || fail "$1 and $2 differ"
+}
+
+# --- Help and wrong use ---
+expect 0 --help
+for command in render refine info inspect check validate; do
+    expect 0 "$command" --help
+    grep -q 'Examples:' out || fail "girih $command --help: no examples"
+done
+expect 2
+expect 2 frobnicate
+expect 2 render
+expect 2 render "$assets/teapot.glb"
+expect 2 refine "$assets/teapot.glb"
+expect 2 info
+expect 2 check
+teapot=("$assets/teapot.glb" -o out.png)
+for wrong in --displace=map.png --mode=none --surface=nurbs --segments=0 --segments=3x --segments=-1 \
+    --segments=random:7 --segments=random:7:0 --edge-pixels=0 --edge-pixels=nan --edge-length=-1 --crease=200 \
+    --resolution=10 --resolution=0,10 --camera-position=1,2 --camera-view-angle=0 --shade=pretty \
+    --backface-color=255,0,255 --camera-view-up=0,0,0; do
+    expect 2 render "${teapot[@]}" "$wrong"
+    [[ ! -s out ]] || fail "girih render $wrong: something on standard output"
+done
+expect 2 render "${teapot[@]}" --segments 2 --edge-pixels 3
+expect 2 render "${teapot[@]}" --cpu --shade levels
+expect 2 render "${teapot[@]}" --camera-index 0 --camera-view-angle 20
+expect 2 render "${teapot[@]}" another.glb
+expect 2 refine "$assets/teapot.glb" -o out.glb --mode instanced
+expect 2 check "$assets/teapot.glb" --segments 2
+[[ ! -e out.png && ! -e out.glb ]] || fail 'wrong use wrote a file'
+
+# --- Failures: one clear line, exit code 1, no file ---
+printf 'not glTF' >bad.glb
+printf '{"asset":{"version":"2.0"}}' >empty.gltf
+for command in render refine; do
+    for file in nosuch.glb bad.glb empty.gltf .; do
+        expect 1 "$command" "$file" -o out.any
+        expect_one_line "girih $command $file"
+    done
+done
+grep -q 'no triangles' err || expect 1 render empty.gltf -o out.any
+expect 1 info nosuch.glb
+expect_one_line info
+expect 1 check bad.glb
+expect_one_line check
+expect 1 render "${teapot[@]}" --device 'no such device'
+expect_one_line device
+expect 1 render "${teapot[@]}" --catalogue bad.glb
+expect_one_line catalogue
+expect 1 render "${teapot[@]}" --camera-index 99
+expect_one_line camera
+expect 1 render "$assets/teapot.glb" -o nosuch/out.png
+expect_one_line output
+[[ ! -e out.any && ! -e out.png ]] || fail 'a failure wrote a file'
+cp "$assets/cube_hard.glb" same.glb
+expect 1 refine same.glb -o ./same.glb
+expect_one_line 'refine over its input'
+same same.glb "$assets/cube_hard.glb"
+
+# --- info ---
+expect 0 info "$assets/teapot.glb" --json
+json 'o["triangles"] == 1164 and len(o["meshes"]) >= 1 and all(m["open"] == 0 for m in o["meshes"])'
+expect 0 inspect "$assets/crack_traps.glb"
+
+# --- render: the same picture in every mode, and a report ---
+for model in teapot mirror seam_sphere primitives crack_traps; do
+    for mode in instanced baked welded; do
+        expect 0 render "$assets/$model.glb" --mode "$mode" --resolution 300,200 -o "$mode.png" --json
+        json "o[\"mode\"] == \"$mode\" and o[\"output_triangles\"] > 0 and o[\"groups\"] >= o[\"base_patterns\"] > 0"
+    done
+    expect 0 render "$assets/$model.glb" --cpu --resolution 300,200 -o cpu.png --json
+    same instanced.png baked.png
+    same instanced.png welded.png
+    same instanced.png cpu.png
+done
+json 'set(o) >= {"device", "mode", "input_triangles", "culled_triangles", "clamped_edges", "output_triangles",
+                 "output_vertices", "groups", "base_patterns", "time_ms"}'
+json 'list(o["time_ms"]) == ["levels", "select", "group", "dispatch", "evaluate", "draw"]'
+for extra in '--shade normals' '--shade levels' '--shade patterns' --wireframe --beside-input \
+    '--segments 3 --catalogue linear' '--edge-length 0.3 --surface flat' '--backface-color 1,0,1'; do
+    # shellcheck disable=SC2086 # several words
+    expect 0 render "$assets/teapot.glb" --resolution 101,80 -o extra.png $extra
+    [[ ! -s out ]] || fail "$extra: something on standard output"
+done
+expect 0 render "$assets/blend.glb" --camera-index 0 --resolution 200,150 -o blend.png
+
+# --- refine and check: nothing opens that was closed, the CPU writes the same ---
+for model in teapot cube_hard seam_sphere crack_traps mirror primitives blend; do
+    for surface in pn flat; do
+        options=(--segments random:7:16 --surface "$surface")
+        expect 0 refine "$assets/$model.glb" -o fine.glb "${options[@]}" --json
+        json 'o["culled_triangles"] == 0 and o["output"] == "fine.glb" and o["time_ms"]["draw"] is None'
+        expect 0 refine "$assets/$model.glb" -o cpu.glb "${options[@]}" --cpu --json
+        same fine.glb cpu.glb
+        # Points on the edges of crack_traps's sliver, a triangle without area, meet by position.
+        expect "$([[ $model == crack_traps ]] && echo 1 || echo 0)" \
+            check fine.glb --from "$assets/$model.glb" "${options[@]}" --json
+        json 'all(m["as_expected"] or m["name"] == "sliver" for m in o["meshes"]) and len(o["meshes"]) > 0'
+        json 'o["open"] == o["expected_open"] and o["flipped"] == o["expected_flipped"]'
+    done
+done
+expect 0 refine "$assets/teapot.glb" -o pixels.glb --mode baked
+expect 0 check pixels.glb --from "$assets/teapot.glb" --json
+json 'o["open"] == o["expected_open"] == 0 and o["degenerate"] == 0'
+expect 1 check pixels.glb --from "$assets/cube_hard.glb" --segments 2
+
+# Too much is refused in one line.
+expect 1 refine "$assets/teapot.glb" -o large.glb --segments 64 --device llvmpipe --catalogue nosuch.gpat
+expect_one_line large
+
+if [[ $failures -ne 0 ]]; then
+    printf '%d failures\n' "$failures"
+    exit 1
+fi
+echo 'all as it should be'
