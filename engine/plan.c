@@ -3,6 +3,7 @@
 #include "context.h"
 #include "error.h"
 #include "memory.h"
+#include "pack.h"
 
 #define PLAN_FIRST GIRIH_BIND_INSTANCES
 #define PLAN_END GIRIH_BIND_OUT_POSITIONS
@@ -418,6 +419,11 @@ void girih_plan_destroy(girih_plan *plan) {
 girih_result girih_plan_set_transform(girih_plan *plan, uint32_t instance, const float transform[12]) {
     if (!plan || !transform || instance >= plan->arrays.frame.instance_count) {
         return GIRIH_ERROR_INVALID_ARGUMENT;
+    }
+    for (int n = 0; n < 12; ++n) {
+        if (!(transform[n] >= -GIRIH_MAX_COORDINATE && transform[n] <= GIRIH_MAX_COORDINATE)) {
+            return GIRIH_ERROR_INVALID_DATA;
+        }
     }
     girih_pack_transform((uint32_t *)plan->staging.mapped + (size_t)instance * GIRIH_INSTANCE_WORDS, transform);
     if (plan->arrays.frame.instance_count == 1) {

@@ -206,17 +206,17 @@ typedef struct setting {
 } setting;
 
 // Runs one frame on both sides, with room for a part of what it needs, in per cent.
-static void run_frame(const setting *setting, girih_surface surface, girih_mode mode, uint32_t outputs,
+static void run_frame(const setting *on, girih_surface surface, girih_mode mode, uint32_t outputs,
                       const girih_frame *frame, uint32_t room) {
-    stages counted = begin_frame(&setting->packed, &setting->placed,
+    stages counted = begin_frame(&on->packed, &on->placed,
                                  (girih_plan_shape){.mode = mode, .max_vertices = UINT32_MAX, .max_triangles = UINT32_MAX});
     stages_frame(&counted, frame);
     stages_count(&counted, surface);
     const girih_statistics needed = stages_statistics(&counted);
     end_frame(&counted);
-    const girih_plan_desc desc = {.scene = setting->scene,
-                                  .instances = setting->placed.instances,
-                                  .instance_count = setting->placed.instance_count,
+    const girih_plan_desc desc = {.scene = on->scene,
+                                  .instances = on->placed.instances,
+                                  .instance_count = on->placed.instance_count,
                                   .surface = surface,
                                   .mode = mode,
                                   .outputs = outputs,
@@ -224,15 +224,15 @@ static void run_frame(const setting *setting, girih_surface surface, girih_mode 
                                   .max_triangles = (uint32_t)(needed.needed_triangles * room / 100)};
     girih_plan *plan;
     girih_error error = {GIRIH_OK, ""};
-    assert_ok(girih_plan_create(setting->context, &desc, &plan, &error), &error);
+    assert_ok(girih_plan_create(on->context, &desc, &plan, &error), &error);
     gpu_refine(&device, plan, frame, &readback);
-    stages twin = begin_frame(&setting->packed, &setting->placed,
+    stages twin = begin_frame(&on->packed, &on->placed,
                               (girih_plan_shape){.mode = mode,
                                                  .outputs = plan->outputs,
                                                  .max_vertices = plan->arrays.frame.max_vertices,
                                                  .max_triangles = plan->arrays.frame.max_triangles,
                                                  .pattern_draws = plan->arrays.frame.pattern_draws != 0,
-                                                 .serial_sort = setting->context->serial_sort});
+                                                 .serial_sort = on->context->serial_sort});
     compare(&twin, plan, frame);
     end_frame(&twin);
     girih_plan_destroy(plan);
@@ -245,9 +245,9 @@ static setting begin_setting(const girih_context *context, const girih_catalogue
                      .packed = pack(catalogue, &placed)};
 }
 
-static void end_setting(setting *setting) {
-    girih_scene_destroy(setting->scene);
-    stages_end(&setting->packed);
+static void end_setting(setting *on) {
+    girih_scene_destroy(on->scene);
+    stages_end(&on->packed);
 }
 
 // Frames of every rule, with culling and without.

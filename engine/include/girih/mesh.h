@@ -13,7 +13,7 @@ extern "C" {
 
 // A range of triangles that share a material. Edges are shared across all submeshes of a mesh.
 typedef struct girih_submesh {
-    uint32_t first_index; // into the indices
+    uint32_t first_index; // into the indices, a multiple of 3
     uint32_t index_count; // a multiple of 3
     uint32_t material;    // below GIRIH_MAX_MATERIALS; the first part of the group key
     uint32_t two_sided;   // not 0: back faces are never culled
@@ -67,6 +67,9 @@ typedef struct girih_mesh_desc {
 //   seam if and only if e < seam_count. Otherwise edges are numbered in the order of first use.
 // - A weld edge is an edge by its two vertex indices within one submesh: two triangles share the
 //   output vertices inside an edge if and only if they share the weld edge.
+// - Made normals: a crease_degrees that is not positive, or 180 or more, means no creases. Triangles
+//   without area, up to the rounding of their coordinates, have no say in normals and no creases; a
+//   corner whose normal cannot be told gets 0.
 typedef struct girih_mesh {
     const char *name;                  // owned copy, never NULL
     uint32_t vertex_count;

@@ -101,7 +101,8 @@ GIRIH_API girih_result girih_plan_create(const girih_context *context, const gir
 // Takes NULL. No submitted command buffer may still use the plan.
 GIRIH_API void girih_plan_destroy(girih_plan *plan);
 
-// Moves an instance; taken up by the next girih_cmd_refine. Externally synchronised on the plan, and
+// Moves an instance; taken up by the next girih_cmd_refine. Elements that are not finite or beyond 1e15
+// are refused with GIRIH_ERROR_INVALID_DATA. Externally synchronised on the plan, and
 // not while a submitted girih_cmd_refine of this plan has not finished.
 GIRIH_API girih_result girih_plan_set_transform(girih_plan *plan, uint32_t instance, const float transform[12]);
 
