@@ -40,7 +40,8 @@ static girih_result weld(mesh_points *set, girih_error *error) {
         room *= 2;
     }
     uint32_t *table = malloc(room * sizeof *table);
-    uint32_t *firsts = malloc(((size_t)set->vertex_count + 1) * sizeof *firsts); // point -> its first vertex
+    uint32_t *firsts =
+        malloc(((size_t)set->vertex_count + 1) * sizeof *firsts); // point -> its first vertex
     set->points = malloc(((size_t)set->vertex_count + 1) * sizeof *set->points);
     float *joined = malloc((size_t)set->vertex_count * 12 + 1);
     if (table == NULL || firsts == NULL || set->points == NULL || joined == NULL) {
@@ -81,8 +82,8 @@ static girih_result weld(mesh_points *set, girih_error *error) {
 }
 
 // Calls back for every triangle that is not degenerate with its three points.
-static uint64_t for_each_triangle(const mesh_points *set, void (*visit)(void *user, const uint32_t points[3]),
-                                  void *user) {
+static uint64_t for_each_triangle(const mesh_points *set,
+                                  void (*visit)(void *user, const uint32_t points[3]), void *user) {
     uint64_t degenerate = 0;
     uint32_t first = 0;
     for (uint32_t n = 0; n < set->mesh->primitive_count; n++) {
@@ -103,8 +104,8 @@ static uint64_t for_each_triangle(const mesh_points *set, void (*visit)(void *us
     return degenerate;
 }
 
-// Half-edges in buckets by the lower of their two points: the other point, shifted, and in the lowest
-// bit whether the half-edge starts there.
+// Half-edges in buckets by the lower of their two points: the other point, shifted, and in the
+// lowest bit whether the half-edge starts there.
 typedef struct buckets {
     uint64_t *ends; // [point_count + 1] after filling: ends[p] is where bucket p ends
     uint32_t *half_edges;
@@ -196,7 +197,8 @@ girih_result girih_audit_mesh(const girih_gltf_mesh *mesh, girih_audit *audit, g
         set.index_count += mesh->primitives[n].index_count;
     }
     if (vertices > INT32_MAX) {
-        return girih_fail(error, GIRIH_ERROR_TOO_LARGE, "mesh '%s' has more than 2^31 vertices", mesh->name);
+        return girih_fail(error, GIRIH_ERROR_TOO_LARGE, "mesh '%s' has more than 2^31 vertices",
+                          mesh->name);
     }
     set.vertex_count = (uint32_t)vertices;
     audit->triangles = set.index_count / 3;

@@ -15,7 +15,8 @@ typedef struct points {
 } points;
 
 // How far points reach along four directions: max of dot(direction, point).
-static void reach(const points *set, double directions[][3], uint32_t direction_count, double *reaches) {
+static void reach(const points *set, double directions[][3], uint32_t direction_count,
+                  double *reaches) {
     for (uint32_t d = 0; d < direction_count; d++) {
         reaches[d] = -INFINITY;
     }
@@ -32,7 +33,8 @@ static void reach(const points *set, double directions[][3], uint32_t direction_
             }
             for (uint32_t v = 0; v < mesh->vertex_count; v++) {
                 const float *p = mesh->positions + 3 * (size_t)v;
-                double along = local[0] * (double)p[0] + local[1] * (double)p[1] + local[2] * (double)p[2] + local[3];
+                double along = local[0] * (double)p[0] + local[1] * (double)p[1] +
+                               local[2] * (double)p[2] + local[3];
                 reaches[d] = along > reaches[d] ? along : reaches[d];
             }
         }
@@ -64,8 +66,8 @@ static bool normalize(double a[3]) {
 typedef struct camera {
     double eye[3], right[3], up[3], back[3];
     bool orthographic;
-    double half_height;   // of the picture at distance 1; orthographic: anywhere
-    double near, far;     // far 0: to be found
+    double half_height; // of the picture at distance 1; orthographic: anywhere
+    double near, far;   // far 0: to be found
 } camera;
 
 // Right and up from back and the wanted up; another up where the two are parallel.
@@ -83,10 +85,10 @@ static void complete_basis(camera *c, const float view_up[3]) {
     normalize(c->up);
 }
 
-// Moves the eye along `back` to where all points are inside the picture, and sideways to the middle of
-// them unless the camera has a point to look at. For one direction and slope s of the picture's side, a
-// point is inside where side·p - eye_side <= (eye_back - back·p) s, so the largest side·p + s back·p
-// decides.
+// Moves the eye along `back` to where all points are inside the picture, and sideways to the middle
+// of them unless the camera has a point to look at. For one direction and slope s of the picture's
+// side, a point is inside where side·p - eye_side <= (eye_back - back·p) s, so the largest side·p +
+// s back·p decides.
 static void frame_points(camera *c, const points *set, double aspect, const double *focal_point) {
     const double margin = 0.92;
     double slope[2] = {c->half_height * aspect * margin, c->half_height * margin};
@@ -118,11 +120,14 @@ static void frame_points(camera *c, const points *set, double aspect, const doub
     }
 }
 
-// The area that a triangle, placed by t, turns towards a direction; negative where it turns its back.
-static double facing_area(const girih_mesh *mesh, uint32_t triangle, const float t[12], const double direction[3]) {
+// The area that a triangle, placed by t, turns towards a direction; negative where it turns its
+// back.
+static double facing_area(const girih_mesh *mesh, uint32_t triangle, const float t[12],
+                          const double direction[3]) {
     double corners[3][3], along[2][3], normal[3];
     for (int k = 0; k < 3; k++) {
-        const float *p = mesh->positions + 3 * (size_t)mesh->triangle_vertices[3 * (size_t)triangle + (size_t)k];
+        const float *p =
+            mesh->positions + 3 * (size_t)mesh->triangle_vertices[3 * (size_t)triangle + (size_t)k];
         for (int n = 0; n < 3; n++) {
             const float *row = t + 4 * n;
             corners[k][n] = (double)row[0] * (double)p[0] + (double)row[1] * (double)p[1] +
@@ -186,7 +191,8 @@ static void use_file_camera(camera *c, const girih_gltf_camera *source) {
     c->far = source->far;
 }
 
-static void use_options(camera *c, const girih_camera_options *options, const points *set, double aspect) {
+static void use_options(camera *c, const girih_camera_options *options, const points *set,
+                        double aspect) {
     double low[3], high[3];
     double axes[6][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
     double reaches[6];
@@ -195,7 +201,8 @@ static void use_options(camera *c, const girih_camera_options *options, const po
     for (int n = 0; n < 3; n++) {
         low[n] = -reaches[3 + n];
         high[n] = reaches[n];
-        focal_point[n] = options->has_focal_point ? (double)options->focal_point[n] : (low[n] + high[n]) / 2.0;
+        focal_point[n] =
+            options->has_focal_point ? (double)options->focal_point[n] : (low[n] + high[n]) / 2.0;
     }
     c->half_height = tan((double)options->view_angle * (pi / 360.0));
     if (options->has_position) {
@@ -209,7 +216,8 @@ static void use_options(camera *c, const girih_camera_options *options, const po
         complete_basis(c, options->view_up);
         return;
     }
-    // Three quarters: from the front, from the right and from above, as `view up` says what above is.
+    // Three quarters: from the front, from the right and from above, as `view up` says what above
+    // is.
     double up[3] = {options->view_up[0], options->view_up[1], options->view_up[2]};
     normalize(up);
     double front[3] = {0.0, 0.0, 1.0};
@@ -249,8 +257,9 @@ static void find_depth(camera *c, const points *set) {
     double axes[6][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
     double box[6];
     reach(set, axes, 6, box);
-    double size = sqrt((box[0] + box[3]) * (box[0] + box[3]) + (box[1] + box[4]) * (box[1] + box[4]) +
-                       (box[2] + box[5]) * (box[2] + box[5]));
+    double size =
+        sqrt((box[0] + box[3]) * (box[0] + box[3]) + (box[1] + box[4]) * (box[1] + box[4]) +
+             (box[2] + box[5]) * (box[2] + box[5]));
     size = size > 0.0 ? size : 1.0;
     c->far = farthest + 0.25 * size;
     c->near = nearest - 0.25 * size;
@@ -317,16 +326,18 @@ static void fill_view(girih_view *view, const camera *c, double aspect, uint32_t
 
 static bool view_is_finite(const girih_view *view) {
     bool is_finite = isfinite(view->near_distance) && isfinite(view->pixels_per_unit) &&
-                     view->pixels_per_unit > 0.0f && (view->orthographic || view->near_distance > 0.0f);
+                     view->pixels_per_unit > 0.0f &&
+                     (view->orthographic || view->near_distance > 0.0f);
     for (int n = 0; n < 16; n++) {
         is_finite &= isfinite(view->view_projection[n / 4][n % 4]) != 0;
     }
     return is_finite;
 }
 
-girih_result girih_view_create(girih_view *view, const girih_camera_options *options, const girih_model *model,
-                               const girih_instance *instances, uint32_t instance_count, uint32_t width,
-                               uint32_t height, girih_error *error) {
+girih_result girih_view_create(girih_view *view, const girih_camera_options *options,
+                               const girih_model *model, const girih_instance *instances,
+                               uint32_t instance_count, uint32_t width, uint32_t height,
+                               girih_error *error) {
     points set = {model, instances, instance_count};
     camera c = {0};
     double aspect = (double)width / (double)height;
@@ -334,8 +345,8 @@ girih_result girih_view_create(girih_view *view, const girih_camera_options *opt
     if (options->has_index) {
         const girih_gltf_contents *contents = model->contents;
         if (options->index >= contents->camera_count) {
-            return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "no camera %u: the file has %u", options->index,
-                              contents->camera_count);
+            return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "no camera %u: the file has %u",
+                              options->index, contents->camera_count);
         }
         use_file_camera(&c, &contents->cameras[options->index]);
     } else {

@@ -7,20 +7,21 @@
 
 // Reversed depth: 1 at the near plane, 0 at the far one, which spreads a float's precision evenly.
 typedef struct girih_view {
-    float view_projection[4][4]; // columns
-    float eye[3];                // world; orthographic: the direction towards the viewer
+    float view_projection[4][4];    // columns
+    float eye[3];                   // world; orthographic: the direction towards the viewer
     float right[3], up[3], back[3]; // unit vectors of the camera; back points towards the viewer
     bool orthographic;
     float near_distance;
     float pixels_per_unit;
-    float planes[6][4];          // inside where n·p + d >= 0
+    float planes[6][4]; // inside where n·p + d >= 0
 } girih_view;
 
 // The view of a model's instances in a picture, or a part of one, of width x height pixels. Without
-// options it looks from the front, a little from the right and above, as near as shows all of it; from
-// the other side where the model turns its back to the front.
-girih_result girih_view_create(girih_view *view, const girih_camera_options *options, const girih_model *model,
-                               const girih_instance *instances, uint32_t instance_count, uint32_t width,
-                               uint32_t height, girih_error *error);
+// options it looks from the front, a little from the right and above, as near as shows all of it;
+// from the other side where the model turns its back to the front.
+girih_result girih_view_create(girih_view *view, const girih_camera_options *options,
+                               const girih_model *model, const girih_instance *instances,
+                               uint32_t instance_count, uint32_t width, uint32_t height,
+                               girih_error *error);
 
 #endif

@@ -22,7 +22,9 @@ enum { KEY_FROM = GIRIH_KEY_OWN, KEY_JSON };
 
 static const struct argp_option own_options[] = {
     {"from", KEY_FROM, "FILE", 0,
-     "The model before girih refine; with the options it was refined with, what must be found is worked out", 0},
+     "The model before girih refine; with the options it was refined with, what must be found is "
+     "worked out",
+     0},
     {"json", KEY_JSON, NULL, 0, "Print one JSON object", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
@@ -34,26 +36,17 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         state->child_inputs[1] = &options->surface;
         state->child_inputs[2] = &options->camera;
         return 0;
-    case KEY_FROM:
-        options->from = argument;
-        return 0;
-    case KEY_JSON:
-        options->json = true;
-        return 0;
-    case ARGP_KEY_ARG:
-        girih_option_model(state, &options->model, argument);
-        return 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "no MODEL");
-        return 0;
+    case KEY_FROM: options->from = argument; return 0;
+    case KEY_JSON: options->json = true; return 0;
+    case ARGP_KEY_ARG: girih_option_model(state, &options->model, argument); return 0;
+    case ARGP_KEY_NO_ARGS: argp_error(state, "no MODEL"); return 0;
     case ARGP_KEY_END:
         if (options->from == NULL && options->levels.given != NULL) {
             argp_error(state, "--%s says how FILE of --from was refined, and there is no --from",
                        options->levels.given);
         }
         return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    default: return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -63,16 +56,23 @@ static const struct argp_child children[] = {{&girih_level_argp, 0, NULL, 1},
                                              {NULL, 0, NULL, 0}};
 
 static const struct argp check_argp = {
-    own_options, parse, "MODEL",
-    "Counts, for each mesh and by the exact bits of the positions, open edges (one triangle), non-manifold edges "
-    "(three or more), flipped edges (two triangles that run along them the same way) and degenerate triangles (two "
-    "corners at one point). With --from, exits with 1 where open, non-manifold or flipped edges are not those that "
+    own_options,
+    parse,
+    "MODEL",
+    "Counts, for each mesh and by the exact bits of the positions, open edges (one triangle), "
+    "non-manifold edges "
+    "(three or more), flipped edges (two triangles that run along them the same way) and "
+    "degenerate triangles (two "
+    "corners at one point). With --from, exits with 1 where open, non-manifold or flipped edges "
+    "are not those that "
     "refining FILE must give."
     "\vExamples:\n"
     "  girih check spot.glb\n"
     "  girih refine spot.glb --segments random:7:16 -o fine.glb\n"
     "  girih check fine.glb --from spot.glb --segments random:7:16 --json\n",
-    children, NULL, NULL};
+    children,
+    NULL,
+    NULL};
 
 // One mesh that has triangles, and the sum of all.
 typedef struct row {
@@ -104,7 +104,8 @@ static girih_result audit_file(session *s, girih_error *error) {
     char name[4096];
     snprintf(name, sizeof name, "%s", s->options->model);
     girih_report_progress("loading");
-    s->file = girih_gltf_load(s->options->model, girih_report_gltf_warning, name, message, sizeof message);
+    s->file = girih_gltf_load(s->options->model, girih_report_gltf_warning, name, message,
+                              sizeof message);
     if (s->file == NULL) {
         return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "%s", message);
     }
@@ -126,40 +127,44 @@ static girih_result audit_file(session *s, girih_error *error) {
         }
     }
     girih_report_progress(NULL);
-    return s->row_count != 0 ? GIRIH_OK : girih_fail(error, GIRIH_ERROR_INVALID_DATA, "no triangles");
+    return s->row_count != 0 ? GIRIH_OK
+                             : girih_fail(error, GIRIH_ERROR_INVALID_DATA, "no triangles");
 }
 
 static girih_result expect_from(session *s, girih_error *error) {
     const check_options *options = s->options;
     girih_frame frame;
     uint32_t instance_count = 0;
-    girih_result result = girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
+    girih_result result =
+        girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
     if (result == GIRIH_OK) {
-        result = girih_model_load(&s->from, options->from, GIRIH_MODEL_TOPOLOGY, options->surface.surface,
-                                  options->surface.crease_degrees, error);
+        result = girih_model_load(&s->from, options->from, GIRIH_MODEL_TOPOLOGY,
+                                  options->surface.surface, options->surface.crease_degrees, error);
     }
     if (result == GIRIH_OK) {
         result = girih_model_instances(&s->from, false, &s->instances, &instance_count, error);
     }
     if (result == GIRIH_OK) {
-        result = girih_frame_create(&frame, &options->levels, &options->camera, &s->from, s->instances,
-                                    instance_count, error);
+        result = girih_frame_create(&frame, &options->levels, &options->camera, &s->from,
+                                    s->instances, instance_count, error);
     }
     if (result != GIRIH_OK) {
         return result;
     }
-    // Refining leaves out meshes without triangles, those whose triangles are all degenerate included;
-    // instances are the meshes that stay, in their order.
+    // Refining leaves out meshes without triangles, those whose triangles are all degenerate
+    // included; instances are the meshes that stay, in their order.
     if (instance_count != s->row_count) {
-        return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
-                          "%u meshes with triangles, where %s has %u: it is not the model this was refined from",
-                          instance_count, options->model, s->row_count);
+        return girih_fail(
+            error, GIRIH_ERROR_INVALID_DATA,
+            "%u meshes with triangles, where %s has %u: it is not the model this was refined from",
+            instance_count, options->model, s->row_count);
     }
     girih_expected *expected = calloc((size_t)s->from.mesh_count + 1, sizeof *expected);
     if (expected == NULL) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
-    result = girih_expect(expected, &s->from, s->instances, instance_count, s->catalogue.catalogue, &frame, error);
+    result = girih_expect(expected, &s->from, s->instances, instance_count, s->catalogue.catalogue,
+                          &frame, error);
     for (uint32_t n = 0; n < instance_count; n++) {
         s->rows[n].expected = expected[s->instances[n].mesh];
     }
@@ -189,14 +194,16 @@ static bool is_as_expected(const row *r) {
 }
 
 static json_t *row_json(const row *r, bool with_expected) {
-    json_t *json = json_pack("{s:s*, s:I, s:I, s:I, s:I, s:I}", "name", r->name, "triangles",
-                             (json_int_t)r->audit.triangles, "open", (json_int_t)r->audit.open, "nonmanifold",
-                             (json_int_t)r->audit.nonmanifold, "flipped", (json_int_t)r->audit.flipped,
-                             "degenerate", (json_int_t)r->audit.degenerate);
+    json_t *json =
+        json_pack("{s:s*, s:I, s:I, s:I, s:I, s:I}", "name", r->name, "triangles",
+                  (json_int_t)r->audit.triangles, "open", (json_int_t)r->audit.open, "nonmanifold",
+                  (json_int_t)r->audit.nonmanifold, "flipped", (json_int_t)r->audit.flipped,
+                  "degenerate", (json_int_t)r->audit.degenerate);
     if (json != NULL && with_expected) {
-        json_t *expected = json_pack("{s:I, s:I, s:I, s:b}", "expected_open", (json_int_t)r->expected.open,
-                                     "expected_nonmanifold", (json_int_t)r->expected.nonmanifold, "expected_flipped",
-                                     (json_int_t)r->expected.flipped, "as_expected", is_as_expected(r));
+        json_t *expected = json_pack(
+            "{s:I, s:I, s:I, s:b}", "expected_open", (json_int_t)r->expected.open,
+            "expected_nonmanifold", (json_int_t)r->expected.nonmanifold, "expected_flipped",
+            (json_int_t)r->expected.flipped, "as_expected", is_as_expected(r));
         json_object_update(json, expected);
         json_decref(expected);
     }
@@ -220,13 +227,14 @@ static int print_json(const session *s, bool as_expected) {
 static void print_row(const char *name, const row *r, bool with_expected) {
     printf("%s: %" PRIu64 " triangles, open %" PRIu64 ", non-manifold %" PRIu64 ", flipped %" PRIu64
            ", degenerate %" PRIu64,
-           name, r->audit.triangles, r->audit.open, r->audit.nonmanifold, r->audit.flipped, r->audit.degenerate);
+           name, r->audit.triangles, r->audit.open, r->audit.nonmanifold, r->audit.flipped,
+           r->audit.degenerate);
     if (with_expected) {
         if (is_as_expected(r)) {
             fputs(": as expected", stdout);
         } else {
-            printf(": EXPECTED open %" PRIu64 ", non-manifold %" PRIu64 ", flipped %" PRIu64, r->expected.open,
-                   r->expected.nonmanifold, r->expected.flipped);
+            printf(": EXPECTED open %" PRIu64 ", non-manifold %" PRIu64 ", flipped %" PRIu64,
+                   r->expected.open, r->expected.nonmanifold, r->expected.flipped);
         }
     }
     putchar('\n');

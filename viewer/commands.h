@@ -1,4 +1,5 @@
-// The subcommands. Each takes its own arguments, argv[0] being "girih NAME", and returns an exit code.
+// The subcommands. Each takes its own arguments, argv[0] being "girih NAME", and returns an exit
+// code.
 #ifndef GIRIH_VIEWER_COMMANDS_H
 #define GIRIH_VIEWER_COMMANDS_H
 

@@ -35,11 +35,11 @@ static const char *advice(VkResult result) {
         return ": too little memory; ask for fewer segments or a smaller picture";
     case VK_ERROR_INITIALIZATION_FAILED:
     case VK_ERROR_INCOMPATIBLE_DRIVER:
-        return ": no working Vulkan driver; install one (on Debian, mesa-vulkan-drivers) or, for refine, use --cpu";
+        return ": no working Vulkan driver; install one (on Debian, mesa-vulkan-drivers) or, for "
+               "refine, use --cpu";
     case VK_ERROR_DEVICE_LOST:
         return ": the driver gave up; try another --device, or --validation to find the cause";
-    default:
-        return "";
+    default: return "";
     }
 }
 
@@ -47,15 +47,15 @@ girih_result girih_vulkan_failure(girih_error *error, const char *call, VkResult
     girih_result kind = result == VK_ERROR_OUT_OF_DEVICE_MEMORY ? GIRIH_ERROR_OUT_OF_DEVICE_MEMORY
                         : result == VK_ERROR_OUT_OF_HOST_MEMORY ? GIRIH_ERROR_OUT_OF_MEMORY
                                                                 : GIRIH_ERROR_DEVICE;
-    return girih_fail(error, kind, "%s: %s (%d)%s", call, result_name(result), (int)result, advice(result));
+    return girih_fail(error, kind, "%s: %s (%d)%s", call, result_name(result), (int)result,
+                      advice(result));
 }
 
-// --- Instance ------------------------------------------------------------------------------------------
+// --- Instance ---
 
-static VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
-                                                            VkDebugUtilsMessageTypeFlagsEXT types,
-                                                            const VkDebugUtilsMessengerCallbackDataEXT *data,
-                                                            void *user) {
+static VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(
+    VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT types,
+    const VkDebugUtilsMessengerCallbackDataEXT *data, void *user) {
     (void)severity;
     (void)types;
     girih_device *device = user;
@@ -78,21 +78,24 @@ static girih_result find_validation(girih_error *error) {
         }
     }
     return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
-                      "--validation: no layer %s; install it (on Debian, vulkan-validationlayers)", validation_layer);
+                      "--validation: no layer %s; install it (on Debian, vulkan-validationlayers)",
+                      validation_layer);
 }
 
 static girih_result create_instance(girih_device *device, bool validation, girih_error *error) {
     const char *layers[] = {validation_layer};
-    const char *extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+    const char *extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
+                                VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
     VkDebugUtilsMessengerCreateInfoEXT messenger = {
         .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-        .messageSeverity =
-            VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT,
+        .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT |
+                           VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT,
         .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
         .pfnUserCallback = on_validation_message,
         .pUserData = device,
     };
-    VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+    VkValidationFeatureEnableEXT enabled[] = {
+        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
     VkValidationFeaturesEXT features = {
         .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
         .pNext = &messenger,
@@ -124,8 +127,9 @@ static girih_result create_instance(girih_device *device, bool validation, girih
         return girih_vulkan_failure(error, "vkCreateInstance", result);
     }
     if (validation) {
-        PFN_vkCreateDebugUtilsMessengerEXT create = (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
-            device->instance, "vkCreateDebugUtilsMessengerEXT");
+        PFN_vkCreateDebugUtilsMessengerEXT create =
+            (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
+                device->instance, "vkCreateDebugUtilsMessengerEXT");
         result = create(device->instance, &messenger, NULL, &device->messenger);
         if (result != VK_SUCCESS) {
             return girih_vulkan_failure(error, "vkCreateDebugUtilsMessengerEXT", result);
@@ -134,7 +138,7 @@ static girih_result create_instance(girih_device *device, bool validation, girih
     return GIRIH_OK;
 }
 
-// --- Physical device -----------------------------------------------------------------------------------
+// --- Physical device ---
 
 static bool name_contains(const char *name, const char *part) {
     size_t length = strlen(part);
@@ -172,7 +176,8 @@ static int preference(VkPhysicalDeviceType type) {
     }
 }
 
-static girih_result choose_physical(girih_device *device, const char *name, VkQueueFlags flags, girih_error *error) {
+static girih_result choose_physical(girih_device *device, const char *name, VkQueueFlags flags,
+                                    girih_error *error) {
     VkPhysicalDevice devices[32];
     uint32_t count = 32;
     VkResult result = vkEnumeratePhysicalDevices(device->instance, &count, devices);
@@ -186,7 +191,8 @@ static girih_result choose_physical(girih_device *device, const char *name, VkQu
         VkPhysicalDeviceProperties properties;
         vkGetPhysicalDeviceProperties(devices[n], &properties);
         size_t used = strlen(names);
-        snprintf(names + used, sizeof names - used, "%s'%s'", n == 0 ? "" : ", ", properties.deviceName);
+        snprintf(names + used, sizeof names - used, "%s'%s'", n == 0 ? "" : ", ",
+                 properties.deviceName);
         if (name != NULL && !name_contains(properties.deviceName, name)) {
             continue;
         }
@@ -207,17 +213,20 @@ static girih_result choose_physical(girih_device *device, const char *name, VkQu
     }
     if (count == 0) {
         return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
-                          "no Vulkan device; install a driver (on Debian, mesa-vulkan-drivers has one for the CPU)");
+                          "no Vulkan device; install a driver (on Debian, mesa-vulkan-drivers has "
+                          "one for the CPU)");
     }
     if (!is_named) {
-        return girih_fail(error, GIRIH_ERROR_UNSUPPORTED, "--device: no '%s' among %.300s", name, names);
+        return girih_fail(error, GIRIH_ERROR_UNSUPPORTED, "--device: no '%s' among %.300s", name,
+                          names);
     }
-    return girih_fail(error, GIRIH_ERROR_UNSUPPORTED, "no device with Vulkan 1.1 and a fitting queue among %.300s",
-                      names);
+    return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
+                      "no device with Vulkan 1.1 and a fitting queue among %.300s", names);
 }
 
 // Features as an array: VkPhysicalDeviceFeatures holds nothing but VkBool32.
-static void enable_features(const VkPhysicalDeviceFeatures *there, const VkPhysicalDeviceFeatures *wanted,
+static void enable_features(const VkPhysicalDeviceFeatures *there,
+                            const VkPhysicalDeviceFeatures *wanted,
                             VkPhysicalDeviceFeatures *enabled) {
     VkBool32 a[sizeof *there / sizeof(VkBool32)], b[sizeof *there / sizeof(VkBool32)],
         c[sizeof *there / sizeof(VkBool32)];
@@ -230,7 +239,8 @@ static void enable_features(const VkPhysicalDeviceFeatures *there, const VkPhysi
     memcpy(enabled, c, sizeof c);
 }
 
-static girih_result create_device(girih_device *device, const VkPhysicalDeviceFeatures *wanted, girih_error *error) {
+static girih_result create_device(girih_device *device, const VkPhysicalDeviceFeatures *wanted,
+                                  girih_error *error) {
     VkPhysicalDeviceFeatures there;
     vkGetPhysicalDeviceFeatures(device->physical, &there);
     girih_requirements requirements = girih_get_requirements();
@@ -285,8 +295,9 @@ static girih_result create_device(girih_device *device, const VkPhysicalDeviceFe
     return result == VK_SUCCESS ? GIRIH_OK : girih_vulkan_failure(error, "vkCreateFence", result);
 }
 
-girih_result girih_device_open(girih_device *device, const girih_device_options *options, bool graphics,
-                               const VkPhysicalDeviceFeatures *wanted, girih_error *error) {
+girih_result girih_device_open(girih_device *device, const girih_device_options *options,
+                               bool graphics, const VkPhysicalDeviceFeatures *wanted,
+                               girih_error *error) {
     *device = (girih_device){0};
     VkQueueFlags flags = girih_get_requirements().queue | (graphics ? VK_QUEUE_GRAPHICS_BIT : 0u);
     girih_result result = create_instance(device, options->validation, error);
@@ -310,8 +321,9 @@ void girih_device_close(girih_device *device) {
         device->device = VK_NULL_HANDLE;
     }
     if (device->messenger != VK_NULL_HANDLE) {
-        PFN_vkDestroyDebugUtilsMessengerEXT destroy = (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
-            device->instance, "vkDestroyDebugUtilsMessengerEXT");
+        PFN_vkDestroyDebugUtilsMessengerEXT destroy =
+            (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
+                device->instance, "vkDestroyDebugUtilsMessengerEXT");
         destroy(device->instance, device->messenger, NULL);
         device->messenger = VK_NULL_HANDLE;
     }
@@ -340,7 +352,8 @@ girih_result girih_device_begin(girih_device *device, girih_error *error) {
         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
     };
     VkResult result = vkBeginCommandBuffer(device->commands, &info);
-    return result == VK_SUCCESS ? GIRIH_OK : girih_vulkan_failure(error, "vkBeginCommandBuffer", result);
+    return result == VK_SUCCESS ? GIRIH_OK
+                                : girih_vulkan_failure(error, "vkBeginCommandBuffer", result);
 }
 
 girih_result girih_device_finish(girih_device *device, girih_error *error) {
@@ -348,8 +361,9 @@ girih_result girih_device_finish(girih_device *device, girih_error *error) {
     if (result != VK_SUCCESS) {
         return girih_vulkan_failure(error, "vkEndCommandBuffer", result);
     }
-    VkSubmitInfo submit = {
-        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &device->commands};
+    VkSubmitInfo submit = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+                           .commandBufferCount = 1,
+                           .pCommandBuffers = &device->commands};
     result = vkQueueSubmit(device->queue, 1, &submit, device->fence);
     if (result != VK_SUCCESS) {
         return girih_vulkan_failure(error, "vkQueueSubmit", result);
@@ -369,31 +383,35 @@ void girih_device_full_barrier(VkCommandBuffer commands) {
         .dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
     };
     vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
-                         VK_PIPELINE_STAGE_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0, NULL, 0,
-                         NULL);
+                         VK_PIPELINE_STAGE_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_HOST_BIT, 0, 1,
+                         &barrier, 0, NULL, 0, NULL);
 }
 
-girih_result girih_device_queries(const girih_device *device, uint32_t count, VkQueryPool *pool, girih_error *error) {
+girih_result girih_device_queries(const girih_device *device, uint32_t count, VkQueryPool *pool,
+                                  girih_error *error) {
     *pool = VK_NULL_HANDLE;
     if (!device->has_timestamps) {
         return GIRIH_OK;
     }
-    VkQueryPoolCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO, .queryType = VK_QUERY_TYPE_TIMESTAMP, .queryCount = count};
+    VkQueryPoolCreateInfo info = {.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                  .queryType = VK_QUERY_TYPE_TIMESTAMP,
+                                  .queryCount = count};
     VkResult result = vkCreateQueryPool(device->device, &info, NULL, pool);
-    return result == VK_SUCCESS ? GIRIH_OK : girih_vulkan_failure(error, "vkCreateQueryPool", result);
+    return result == VK_SUCCESS ? GIRIH_OK
+                                : girih_vulkan_failure(error, "vkCreateQueryPool", result);
 }
 
-bool girih_device_read_queries(const girih_device *device, VkQueryPool pool, uint32_t first, uint32_t count,
-                               double *milliseconds) {
+bool girih_device_read_queries(const girih_device *device, VkQueryPool pool, uint32_t first,
+                               uint32_t count, double *milliseconds) {
     uint64_t ticks[16];
     if (pool == VK_NULL_HANDLE || count > 16 ||
-        vkGetQueryPoolResults(device->device, pool, first, count, sizeof ticks, ticks, sizeof ticks[0],
-                              VK_QUERY_RESULT_64_BIT) != VK_SUCCESS) {
+        vkGetQueryPoolResults(device->device, pool, first, count, sizeof ticks, ticks,
+                              sizeof ticks[0], VK_QUERY_RESULT_64_BIT) != VK_SUCCESS) {
         return false;
     }
     for (uint32_t n = 0; n < count; n++) {
-        milliseconds[n] = (double)(ticks[n] - ticks[0]) * (double)device->properties.limits.timestampPeriod * 1e-6;
+        milliseconds[n] = (double)(ticks[n] - ticks[0]) *
+                          (double)device->properties.limits.timestampPeriod * 1e-6;
     }
     return true;
 }

@@ -26,11 +26,12 @@ typedef struct girih_device {
     uint32_t validation_messages;
 } girih_device;
 
-// Opens the device that the options name, else the likely fastest one, with a queue that runs girih's
-// commands and, where graphics is true, draws. Of the optional features, those girih lists and
-// `wanted` are enabled where the device has them. *device must not move while it is open.
-girih_result girih_device_open(girih_device *device, const girih_device_options *options, bool graphics,
-                               const VkPhysicalDeviceFeatures *wanted, girih_error *error);
+// Opens the device that the options name, else the likely fastest one, with a queue that runs
+// girih's commands and, where graphics is true, draws. Of the optional features, those girih lists
+// and `wanted` are enabled where the device has them. *device must not move while it is open.
+girih_result girih_device_open(girih_device *device, const girih_device_options *options,
+                               bool graphics, const VkPhysicalDeviceFeatures *wanted,
+                               girih_error *error);
 void girih_device_close(girih_device *device);
 
 // A context for the device.
@@ -44,7 +45,7 @@ girih_result girih_vulkan_failure(girih_error *error, const char *call, VkResult
 girih_result girih_device_begin(girih_device *device, girih_error *error);
 girih_result girih_device_finish(girih_device *device, girih_error *error);
 
-// --- Memory ------------------------------------------------------------------------------------------
+// --- Memory ---
 
 typedef struct girih_device_buffer {
     VkBuffer buffer;
@@ -65,8 +66,9 @@ typedef enum girih_memory_place {
     GIRIH_MEMORY_READBACK, // mapped and coherent, cached where that can be had
 } girih_memory_place;
 
-girih_result girih_device_buffer_create(const girih_device *device, girih_device_buffer *buffer, VkDeviceSize size,
-                                        VkBufferUsageFlags usage, girih_memory_place place, girih_error *error);
+girih_result girih_device_buffer_create(const girih_device *device, girih_device_buffer *buffer,
+                                        VkDeviceSize size, VkBufferUsageFlags usage,
+                                        girih_memory_place place, girih_error *error);
 void girih_device_buffer_destroy(const girih_device *device, girih_device_buffer *buffer);
 
 // An image of one layer with a view of all of it.
@@ -77,22 +79,22 @@ void girih_device_image_destroy(const girih_device *device, girih_device_image *
 
 // Copies bytes into, or out of, a buffer that the host cannot see, in pieces. The buffer needs the
 // usage TRANSFER_DST, or TRANSFER_SRC.
-girih_result girih_device_write(girih_device *device, VkBuffer buffer, const void *bytes, VkDeviceSize size,
-                                girih_error *error);
-girih_result girih_device_read(girih_device *device, VkBuffer buffer, VkDeviceSize size, void *bytes,
-                               girih_error *error);
+girih_result girih_device_write(girih_device *device, VkBuffer buffer, const void *bytes,
+                                VkDeviceSize size, girih_error *error);
+girih_result girih_device_read(girih_device *device, VkBuffer buffer, VkDeviceSize size,
+                               void *bytes, girih_error *error);
 
 // Orders everything before against everything after it.
 void girih_device_full_barrier(VkCommandBuffer commands);
 
-// --- girih's timestamps --------------------------------------------------------------------------------
+// --- girih's timestamps ---
 
 // A pool of `count` timestamps; VK_NULL_HANDLE where the queue has none.
 girih_result girih_device_queries(const girih_device *device, uint32_t count, VkQueryPool *pool,
                                   girih_error *error);
 
 // Reads `count` of them as milliseconds from the first; false where they are not there.
-bool girih_device_read_queries(const girih_device *device, VkQueryPool pool, uint32_t first, uint32_t count,
-                               double *milliseconds);
+bool girih_device_read_queries(const girih_device *device, VkQueryPool pool, uint32_t first,
+                               uint32_t count, double *milliseconds);
 
 #endif

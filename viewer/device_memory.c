@@ -6,9 +6,11 @@
 // Copies between the host and memory that it cannot see pass through a buffer of this size.
 static const VkDeviceSize piece_size = (VkDeviceSize)64 << 20;
 
-static uint32_t find_memory_type(const girih_device *device, uint32_t bits, VkMemoryPropertyFlags flags) {
+static uint32_t find_memory_type(const girih_device *device, uint32_t bits,
+                                 VkMemoryPropertyFlags flags) {
     for (uint32_t n = 0; n < device->memory.memoryTypeCount; n++) {
-        if ((bits >> n & 1u) != 0 && (device->memory.memoryTypes[n].propertyFlags & flags) == flags) {
+        if ((bits >> n & 1u) != 0 &&
+            (device->memory.memoryTypes[n].propertyFlags & flags) == flags) {
             return n;
         }
     }
@@ -17,13 +19,16 @@ static uint32_t find_memory_type(const girih_device *device, uint32_t bits, VkMe
 
 static girih_result allocate(const girih_device *device, const VkMemoryRequirements *requirements,
                              girih_memory_place place, VkDeviceMemory *memory, girih_error *error) {
-    VkMemoryPropertyFlags mapped = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    VkMemoryPropertyFlags best = place == GIRIH_MEMORY_DEVICE   ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
-                                 : place == GIRIH_MEMORY_UPLOAD ? mapped
-                                                                : mapped | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+    VkMemoryPropertyFlags mapped =
+        VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    VkMemoryPropertyFlags best = place == GIRIH_MEMORY_DEVICE ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
+                                 : place == GIRIH_MEMORY_UPLOAD
+                                     ? mapped
+                                     : mapped | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
     uint32_t type = find_memory_type(device, requirements->memoryTypeBits, best);
     if (type == UINT32_MAX) {
-        type = find_memory_type(device, requirements->memoryTypeBits, place == GIRIH_MEMORY_DEVICE ? 0 : mapped);
+        type = find_memory_type(device, requirements->memoryTypeBits,
+                                place == GIRIH_MEMORY_DEVICE ? 0 : mapped);
     }
     if (type == UINT32_MAX) {
         return girih_fail(error, GIRIH_ERROR_UNSUPPORTED, "the device has no fitting memory");
@@ -34,11 +39,13 @@ static girih_result allocate(const girih_device *device, const VkMemoryRequireme
         .memoryTypeIndex = type,
     };
     VkResult result = vkAllocateMemory(device->device, &info, NULL, memory);
-    return result == VK_SUCCESS ? GIRIH_OK : girih_vulkan_failure(error, "vkAllocateMemory", result);
+    return result == VK_SUCCESS ? GIRIH_OK
+                                : girih_vulkan_failure(error, "vkAllocateMemory", result);
 }
 
-girih_result girih_device_buffer_create(const girih_device *device, girih_device_buffer *buffer, VkDeviceSize size,
-                                        VkBufferUsageFlags usage, girih_memory_place place, girih_error *error) {
+girih_result girih_device_buffer_create(const girih_device *device, girih_device_buffer *buffer,
+                                        VkDeviceSize size, VkBufferUsageFlags usage,
+                                        girih_memory_place place, girih_error *error) {
     *buffer = (girih_device_buffer){.size = size != 0 ? size : 4};
     VkBufferCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
@@ -56,7 +63,8 @@ girih_result girih_device_buffer_create(const girih_device *device, girih_device
     if (allocated == GIRIH_OK) {
         result = vkBindBufferMemory(device->device, buffer->buffer, buffer->memory, 0);
         if (result == VK_SUCCESS && place != GIRIH_MEMORY_DEVICE) {
-            result = vkMapMemory(device->device, buffer->memory, 0, VK_WHOLE_SIZE, 0, &buffer->mapped);
+            result =
+                vkMapMemory(device->device, buffer->memory, 0, VK_WHOLE_SIZE, 0, &buffer->mapped);
         }
         if (result != VK_SUCCESS) {
             allocated = girih_vulkan_failure(error, "vkBindBufferMemory or vkMapMemory", result);
@@ -84,7 +92,8 @@ girih_result girih_device_image_create(const girih_device *device, girih_device_
     }
     VkMemoryRequirements requirements;
     vkGetImageMemoryRequirements(device->device, image->image, &requirements);
-    girih_result allocated = allocate(device, &requirements, GIRIH_MEMORY_DEVICE, &image->memory, error);
+    girih_result allocated =
+        allocate(device, &requirements, GIRIH_MEMORY_DEVICE, &image->memory, error);
     if (allocated == GIRIH_OK) {
         result = vkBindImageMemory(device->device, image->image, image->memory, 0);
         VkImageViewCreateInfo view = {
@@ -98,7 +107,8 @@ girih_result girih_device_image_create(const girih_device *device, girih_device_
             result = vkCreateImageView(device->device, &view, NULL, &image->view);
         }
         if (result != VK_SUCCESS) {
-            allocated = girih_vulkan_failure(error, "vkBindImageMemory or vkCreateImageView", result);
+            allocated =
+                girih_vulkan_failure(error, "vkBindImageMemory or vkCreateImageView", result);
         }
     }
     if (allocated != GIRIH_OK) {
@@ -115,8 +125,8 @@ void girih_device_image_destroy(const girih_device *device, girih_device_image *
 }
 
 // Moves a piece at a time; `to_device` tells which way.
-static girih_result transfer(girih_device *device, VkBuffer buffer, char *bytes, VkDeviceSize size, bool to_device,
-                             girih_error *error) {
+static girih_result transfer(girih_device *device, VkBuffer buffer, char *bytes, VkDeviceSize size,
+                             bool to_device, girih_error *error) {
     girih_device_buffer staging;
     girih_result result = girih_device_buffer_create(
         device, &staging, size < piece_size ? size : piece_size,
@@ -133,8 +143,8 @@ static girih_result transfer(girih_device *device, VkBuffer buffer, char *bytes,
         }
         girih_device_full_barrier(device->commands);
         VkBufferCopy region = {to_device ? 0 : at, to_device ? at : 0, count};
-        vkCmdCopyBuffer(device->commands, to_device ? staging.buffer : buffer, to_device ? buffer : staging.buffer, 1,
-                        &region);
+        vkCmdCopyBuffer(device->commands, to_device ? staging.buffer : buffer,
+                        to_device ? buffer : staging.buffer, 1, &region);
         girih_device_full_barrier(device->commands);
         result = girih_device_finish(device, error);
         if (result == GIRIH_OK && !to_device) {
@@ -145,15 +155,15 @@ static girih_result transfer(girih_device *device, VkBuffer buffer, char *bytes,
     return result;
 }
 
-girih_result girih_device_write(girih_device *device, VkBuffer buffer, const void *bytes, VkDeviceSize size,
-                                girih_error *error) {
+girih_result girih_device_write(girih_device *device, VkBuffer buffer, const void *bytes,
+                                VkDeviceSize size, girih_error *error) {
     // The bytes are only read.
     char *source;
     memcpy(&source, &bytes, sizeof source);
     return transfer(device, buffer, source, size, true, error);
 }
 
-girih_result girih_device_read(girih_device *device, VkBuffer buffer, VkDeviceSize size, void *bytes,
-                               girih_error *error) {
+girih_result girih_device_read(girih_device *device, VkBuffer buffer, VkDeviceSize size,
+                               void *bytes, girih_error *error) {
     return transfer(device, buffer, bytes, size, false, error);
 }

@@ -17,8 +17,9 @@ static girih_result allocate_words(girih_arrays *arrays, uint32_t binding, girih
 }
 
 // The levels of every instance's edges.
-static girih_result run_levels(girih_arrays *arrays, const girih_model *model, const girih_instance *instances,
-                               uint32_t instance_count, const girih_catalogue *catalogue, const girih_frame *frame,
+static girih_result run_levels(girih_arrays *arrays, const girih_model *model,
+                               const girih_instance *instances, uint32_t instance_count,
+                               const girih_catalogue *catalogue, const girih_frame *frame,
                                girih_error *error) {
     girih_scene_table table = {0};
     girih_plan_shape shape = {.mode = GIRIH_MODE_BAKED, .outputs = GIRIH_OUTPUT_NO_DRAW};
@@ -46,8 +47,9 @@ static girih_result run_levels(girih_arrays *arrays, const girih_model *model, c
 }
 
 // Sums one mesh's edges; levels are those of its edges.
-static girih_result sum_mesh(girih_expected *expected, const girih_mesh *mesh, const uint32_t *levels,
-                             const girih_catalogue *catalogue, girih_error *error) {
+static girih_result sum_mesh(girih_expected *expected, const girih_mesh *mesh,
+                             const uint32_t *levels, const girih_catalogue *catalogue,
+                             girih_error *error) {
     // How often triangles run along an edge in its canonical order.
     uint8_t *forward = calloc((size_t)mesh->edge_count + 1, 1);
     if (forward == NULL) {
@@ -56,7 +58,8 @@ static girih_result sum_mesh(girih_expected *expected, const girih_mesh *mesh, c
     for (size_t n = 0; n < 3 * (size_t)mesh->triangle_count; n++) {
         uint32_t edge = mesh->triangle_edges[n];
         if (mesh->edge_uses[edge] == 2) {
-            forward[edge] = (uint8_t)(forward[edge] + ((mesh->triangle_weld_edges[n] & GIRIH_WELD_REVERSED) == 0));
+            forward[edge] = (uint8_t)(forward[edge] +
+                                      ((mesh->triangle_weld_edges[n] & GIRIH_WELD_REVERSED) == 0));
         }
     }
     for (uint32_t edge = 0; edge < mesh->edge_count; edge++) {
@@ -70,12 +73,14 @@ static girih_result sum_mesh(girih_expected *expected, const girih_mesh *mesh, c
     return GIRIH_OK;
 }
 
-girih_result girih_expect(girih_expected *expected, const girih_model *model, const girih_instance *instances,
-                          uint32_t instance_count, const girih_catalogue *catalogue, const girih_frame *frame,
+girih_result girih_expect(girih_expected *expected, const girih_model *model,
+                          const girih_instance *instances, uint32_t instance_count,
+                          const girih_catalogue *catalogue, const girih_frame *frame,
                           girih_error *error) {
     memset(expected, 0, model->mesh_count * sizeof *expected);
     girih_arrays arrays = {0};
-    girih_result result = run_levels(&arrays, model, instances, instance_count, catalogue, frame, error);
+    girih_result result =
+        run_levels(&arrays, model, instances, instance_count, catalogue, frame, error);
     const uint32_t *levels = arrays.words[GIRIH_BIND_LEVELS];
     // Instances stand in the order of their meshes, each mesh once, and so do their edges.
     for (uint32_t n = 0; n < instance_count && result == GIRIH_OK; n++) {

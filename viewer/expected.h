@@ -11,8 +11,9 @@ typedef struct girih_expected {
 } girih_expected;
 
 // Works out expected[model->mesh_count] with the levels stage itself.
-girih_result girih_expect(girih_expected *expected, const girih_model *model, const girih_instance *instances,
-                          uint32_t instance_count, const girih_catalogue *catalogue, const girih_frame *frame,
+girih_result girih_expect(girih_expected *expected, const girih_model *model,
+                          const girih_instance *instances, uint32_t instance_count,
+                          const girih_catalogue *catalogue, const girih_frame *frame,
                           girih_error *error);
 
 #endif

@@ -10,7 +10,8 @@
 static girih_result read_file(const char *path, void **bytes, size_t *size, girih_error *error) {
     FILE *file = fopen(path, "rb");
     if (file == NULL) {
-        return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "catalogue %s: %s", path, strerror(errno));
+        return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "catalogue %s: %s", path,
+                          strerror(errno));
     }
     size_t room = 1 << 16;
     *bytes = malloc(room);
@@ -31,7 +32,8 @@ static girih_result read_file(const char *path, void **bytes, size_t *size, giri
     if (*bytes == NULL) {
         result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "catalogue %s: out of memory", path);
     } else if (ferror(file)) {
-        result = girih_fail(error, GIRIH_ERROR_INVALID_DATA, "catalogue %s: %s", path, strerror(errno));
+        result =
+            girih_fail(error, GIRIH_ERROR_INVALID_DATA, "catalogue %s: %s", path, strerror(errno));
         free(*bytes);
         *bytes = NULL;
     }
@@ -39,7 +41,8 @@ static girih_result read_file(const char *path, void **bytes, size_t *size, giri
     return result;
 }
 
-girih_result girih_catalogue_source_open(girih_catalogue_source *source, const char *name, girih_error *error) {
+girih_result girih_catalogue_source_open(girih_catalogue_source *source, const char *name,
+                                         girih_error *error) {
     *source = (girih_catalogue_source){0};
     if (strcmp(name, "dyadic") == 0) {
         source->catalogue = girih_catalogue_dyadic();
@@ -69,8 +72,10 @@ void girih_catalogue_source_free(girih_catalogue_source *source) {
 }
 
 girih_frame girih_frame_from_options(const girih_level_options *levels, const girih_view *view) {
-    girih_frame frame = {
-        .rule = levels->rule, .segments = levels->segments, .seed = levels->seed, .length = levels->length};
+    girih_frame frame = {.rule = levels->rule,
+                         .segments = levels->segments,
+                         .seed = levels->seed,
+                         .length = levels->length};
     if (view != NULL) {
         frame.pixels_per_unit = view->pixels_per_unit;
         frame.near_distance = view->orthographic ? 1.0f : view->near_distance;
@@ -83,14 +88,15 @@ girih_frame girih_frame_from_options(const girih_level_options *levels, const gi
 
 girih_result girih_frame_create(girih_frame *frame, const girih_level_options *levels,
                                 const girih_camera_options *camera, const girih_model *model,
-                                const girih_instance *instances, uint32_t instance_count, girih_error *error) {
+                                const girih_instance *instances, uint32_t instance_count,
+                                girih_error *error) {
     if (levels->rule != GIRIH_LEVEL_EDGE_PIXELS) {
         *frame = girih_frame_from_options(levels, NULL);
         return GIRIH_OK;
     }
     girih_view view;
-    girih_result result = girih_view_create(&view, camera, model, instances, instance_count, camera->width,
-                                            camera->height, error);
+    girih_result result = girih_view_create(&view, camera, model, instances, instance_count,
+                                            camera->width, camera->height, error);
     if (result == GIRIH_OK) {
         *frame = girih_frame_from_options(levels, &view);
     }

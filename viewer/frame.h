@@ -11,17 +11,19 @@ typedef struct girih_catalogue_source {
 } girih_catalogue_source;
 
 // Opens the catalogue of --catalogue. girih_catalogue_source_free takes what it gives.
-girih_result girih_catalogue_source_open(girih_catalogue_source *source, const char *name, girih_error *error);
+girih_result girih_catalogue_source_open(girih_catalogue_source *source, const char *name,
+                                         girih_error *error);
 void girih_catalogue_source_free(girih_catalogue_source *source);
 
 // The frame that the level options ask for in a view. view may be NULL where the rule is none of
 // pixels. Nothing is culled.
 girih_frame girih_frame_from_options(const girih_level_options *levels, const girih_view *view);
 
-// The frame for a model's meshes untransformed, as refine and check take it, with a view only where the
-// rule is one of pixels.
+// The frame for a model's meshes untransformed, as refine and check take it, with a view only where
+// the rule is one of pixels.
 girih_result girih_frame_create(girih_frame *frame, const girih_level_options *levels,
                                 const girih_camera_options *camera, const girih_model *model,
-                                const girih_instance *instances, uint32_t instance_count, girih_error *error);
+                                const girih_instance *instances, uint32_t instance_count,
+                                girih_error *error);
 
 #endif

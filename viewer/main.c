@@ -12,10 +12,13 @@ static const struct command {
     int (*run)(int argc, char **argv);
     char *program; // what its messages and --help call it
 } commands[] = {
-    {"render", NULL, "draw a refined model into a PNG", girih_command_render, (char[]){"girih render"}},
-    {"refine", NULL, "write a refined model as a .glb", girih_command_refine, (char[]){"girih refine"}},
+    {"render", NULL, "draw a refined model into a PNG", girih_command_render,
+     (char[]){"girih render"}},
+    {"refine", NULL, "write a refined model as a .glb", girih_command_refine,
+     (char[]){"girih refine"}},
     {"info", "inspect", "say what a model holds", girih_command_info, (char[]){"girih info"}},
-    {"check", "validate", "look for cracks in a model", girih_command_check, (char[]){"girih check"}},
+    {"check", "validate", "look for cracks in a model", girih_command_check,
+     (char[]){"girih check"}},
 };
 
 static void print_usage(FILE *stream) {
@@ -24,7 +27,8 @@ static void print_usage(FILE *stream) {
           stream);
     for (size_t n = 0; n < sizeof commands / sizeof commands[0]; n++) {
         fprintf(stream, "  %-8s %s%s%s%s\n", commands[n].name, commands[n].what,
-                commands[n].alias != NULL ? " (also: " : "", commands[n].alias != NULL ? commands[n].alias : "",
+                commands[n].alias != NULL ? " (also: " : "",
+                commands[n].alias != NULL ? commands[n].alias : "",
                 commands[n].alias != NULL ? ")" : "");
     }
     fputs("\nExamples:\n"
@@ -41,7 +45,8 @@ int main(int argc, char **argv) {
         print_usage(stderr);
         return GIRIH_EXIT_WRONG_USE;
     }
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-?") == 0 || strcmp(argv[1], "help") == 0) {
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-?") == 0 ||
+        strcmp(argv[1], "help") == 0) {
         print_usage(stdout);
         return GIRIH_EXIT_DONE;
     }

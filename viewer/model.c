@@ -12,7 +12,8 @@ static girih_result no_memory(girih_error *error) {
     return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
-static const girih_gltf_attribute *find_attribute(const girih_gltf_primitive *primitive, const char *name) {
+static const girih_gltf_attribute *find_attribute(const girih_gltf_primitive *primitive,
+                                                  const char *name) {
     for (uint32_t n = 0; n < primitive->attribute_count; n++) {
         if (strcmp(primitive->attributes[n].name, name) == 0) {
             return &primitive->attributes[n];
@@ -28,11 +29,12 @@ static const girih_gltf_attribute *find_texcoord(const girih_gltf_contents *cont
         return NULL;
     }
     char name[32];
-    snprintf(name, sizeof name, "TEXCOORD_%u", contents->materials[primitive->material].base_color_texcoord);
+    snprintf(name, sizeof name, "TEXCOORD_%u",
+             contents->materials[primitive->material].base_color_texcoord);
     return find_attribute(primitive, name);
 }
 
-// --- The layout of attributes --------------------------------------------------------------------------
+// --- The layout of attributes ---
 
 static void lay_out_drawing(girih_model *model) {
     const girih_gltf_contents *contents = model->contents;
@@ -68,7 +70,8 @@ static girih_result lay_out_all(girih_model *model, girih_error *error) {
                     slot++;
                 }
                 if (slot == model->attribute_count) {
-                    void *grown = realloc(model->attributes, (slot + 1) * sizeof *model->attributes);
+                    void *grown =
+                        realloc(model->attributes, (slot + 1) * sizeof *model->attributes);
                     if (grown == NULL) {
                         return no_memory(error);
                     }
@@ -89,7 +92,7 @@ static girih_result lay_out_all(girih_model *model, girih_error *error) {
     return GIRIH_OK;
 }
 
-// --- Materials -----------------------------------------------------------------------------------------
+// --- Materials ---
 
 static girih_result number_materials(girih_model *model, girih_error *error) {
     const girih_gltf_contents *contents = model->contents;
@@ -118,7 +121,8 @@ static girih_result number_materials(girih_model *model, girih_error *error) {
     if (count > GIRIH_MAX_MATERIALS) {
         return girih_fail(error, GIRIH_ERROR_TOO_LARGE, "%llu %s are more than the %u there can be",
                           (unsigned long long)count,
-                          model->purpose == GIRIH_MODEL_DRAW ? "materials" : "primitives", GIRIH_MAX_MATERIALS);
+                          model->purpose == GIRIH_MODEL_DRAW ? "materials" : "primitives",
+                          GIRIH_MAX_MATERIALS);
     }
     return GIRIH_OK;
 }
@@ -137,7 +141,7 @@ static uint32_t find_material(const girih_model *model, int32_t material) {
     return low;
 }
 
-// --- Meshes ----------------------------------------------------------------------------------------------
+// --- Meshes ---
 
 // One glTF mesh with its primitives laid one after another.
 typedef struct girih_joined {
@@ -155,21 +159,23 @@ static void free_joined(girih_joined *joined) {
     free(joined->submeshes);
 }
 
-static void copy_attribute(float *to, uint32_t stride, uint32_t components, const girih_gltf_attribute *from,
-                           uint32_t vertex_count, float missing) {
+static void copy_attribute(float *to, uint32_t stride, uint32_t components,
+                           const girih_gltf_attribute *from, uint32_t vertex_count, float missing) {
     for (uint32_t v = 0; v < vertex_count; v++) {
         for (uint32_t c = 0; c < components; c++) {
             bool is_there = from != NULL && c < from->components;
-            to[(size_t)v * stride + c] = is_there ? from->values[(size_t)v * from->components + c] : missing;
+            to[(size_t)v * stride + c] =
+                is_there ? from->values[(size_t)v * from->components + c] : missing;
         }
     }
 }
 
-static void copy_attributes(const girih_model *model, const girih_gltf_primitive *primitive, float *to) {
+static void copy_attributes(const girih_model *model, const girih_gltf_primitive *primitive,
+                            float *to) {
     uint32_t stride = model->attribute_floats;
     if (model->texcoord_float != GIRIH_MODEL_NONE) {
-        copy_attribute(to + model->texcoord_float, stride, 2, find_texcoord(model->contents, primitive),
-                       primitive->vertex_count, 0.0f);
+        copy_attribute(to + model->texcoord_float, stride, 2,
+                       find_texcoord(model->contents, primitive), primitive->vertex_count, 0.0f);
     }
     if (model->color_float != GIRIH_MODEL_NONE) {
         copy_attribute(to + model->color_float, stride, 4, find_attribute(primitive, "COLOR_0"),
@@ -183,8 +189,8 @@ static void copy_attributes(const girih_model *model, const girih_gltf_primitive
 }
 
 // Joins the primitives for which `wanted` holds, all where it is NULL.
-static girih_result join(girih_joined *joined, const girih_model *model, uint32_t mesh, const bool *wanted,
-                         bool with_normals, girih_error *error) {
+static girih_result join(girih_joined *joined, const girih_model *model, uint32_t mesh,
+                         const bool *wanted, bool with_normals, girih_error *error) {
     const girih_gltf_mesh *source = &model->contents->meshes[mesh];
     uint64_t vertices = 0;
     uint64_t indices = 0;
@@ -195,17 +201,19 @@ static girih_result join(girih_joined *joined, const girih_model *model, uint32_
         }
     }
     if (vertices > UINT32_MAX || indices > UINT32_MAX) {
-        return girih_fail(error, GIRIH_ERROR_TOO_LARGE, "mesh '%s' has more than 2^32 vertices or indices",
-                          source->name);
+        return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
+                          "mesh '%s' has more than 2^32 vertices or indices", source->name);
     }
     uint32_t floats = model->attribute_floats;
     joined->positions = malloc(((size_t)vertices * 3 + 1) * sizeof(float));
     joined->normals = with_normals ? malloc(((size_t)vertices * 3 + 1) * sizeof(float)) : NULL;
-    joined->attributes = floats != 0 ? malloc(((size_t)vertices * floats + 1) * sizeof(float)) : NULL;
+    joined->attributes =
+        floats != 0 ? malloc(((size_t)vertices * floats + 1) * sizeof(float)) : NULL;
     joined->indices = malloc(((size_t)indices + 1) * sizeof(uint32_t));
     joined->submeshes = malloc(((size_t)source->primitive_count + 1) * sizeof *joined->submeshes);
     if (joined->positions == NULL || (with_normals && joined->normals == NULL) ||
-        (floats != 0 && joined->attributes == NULL) || joined->indices == NULL || joined->submeshes == NULL) {
+        (floats != 0 && joined->attributes == NULL) || joined->indices == NULL ||
+        joined->submeshes == NULL) {
         return no_memory(error);
     }
     for (uint32_t n = 0; n < source->primitive_count; n++) {
@@ -226,9 +234,11 @@ static girih_result join(girih_joined *joined, const girih_model *model, uint32_
         for (uint32_t i = 0; i < primitive->index_count; i++) {
             joined->indices[joined->index_count + i] = primitive->indices[i] + joined->vertex_count;
         }
-        bool two_sided = primitive->material >= 0 && model->contents->materials[primitive->material].double_sided;
-        uint32_t material = model->purpose == GIRIH_MODEL_DRAW ? find_material(model, primitive->material)
-                                                               : model->first_material[mesh] + n;
+        bool two_sided = primitive->material >= 0 &&
+                         model->contents->materials[primitive->material].double_sided;
+        uint32_t material = model->purpose == GIRIH_MODEL_DRAW
+                                ? find_material(model, primitive->material)
+                                : model->first_material[mesh] + n;
         joined->submeshes[joined->submesh_count++] =
             (girih_submesh){joined->index_count, primitive->index_count, material, two_sided};
         joined->vertex_count += primitive->vertex_count;
@@ -237,9 +247,9 @@ static girih_result join(girih_joined *joined, const girih_model *model, uint32_
     return GIRIH_OK;
 }
 
-static girih_result create_mesh(const girih_model *model, const girih_joined *joined, const char *name,
-                                girih_surface surface, float crease_degrees, const girih_mesh **mesh,
-                                girih_error *error) {
+static girih_result create_mesh(const girih_model *model, const girih_joined *joined,
+                                const char *name, girih_surface surface, float crease_degrees,
+                                const girih_mesh **mesh, girih_error *error) {
     girih_mesh_desc desc = {
         .name = name,
         .vertex_count = joined->vertex_count,
@@ -265,11 +275,12 @@ static girih_result create_mesh(const girih_model *model, const girih_joined *jo
     return girih_mesh_create(&desc, mesh, error);
 }
 
-// A mesh with normals in some primitives and none in others: those without are prepared by themselves
-// first, and what comes out, vertices split at creases included, goes in among the others.
+// A mesh with normals in some primitives and none in others: those without are prepared by
+// themselves first, and what comes out, vertices split at creases included, goes in among the
+// others.
 static girih_result create_mixed_mesh(const girih_model *model, uint32_t number, const bool *lacks,
-                                      girih_surface surface, float crease_degrees, const girih_mesh **mesh,
-                                      girih_error *error) {
+                                      girih_surface surface, float crease_degrees,
+                                      const girih_mesh **mesh, girih_error *error) {
     const girih_gltf_mesh *source = &model->contents->meshes[number];
     girih_joined without = {0};
     girih_joined all = {0};
@@ -289,20 +300,24 @@ static girih_result create_mixed_mesh(const girih_model *model, uint32_t number,
         all.normals = normals != NULL ? normals : all.normals;
         bool is_short = positions == NULL || normals == NULL;
         if (model->attribute_floats != 0) {
-            float *attributes = realloc(all.attributes, (size_t)vertices * model->attribute_floats * sizeof(float));
+            float *attributes =
+                realloc(all.attributes, (size_t)vertices * model->attribute_floats * sizeof(float));
             all.attributes = attributes != NULL ? attributes : all.attributes;
             is_short |= attributes == NULL;
         }
         if (is_short) {
             result = no_memory(error);
         } else if (vertices > UINT32_MAX) {
-            result = girih_fail(error, GIRIH_ERROR_TOO_LARGE, "mesh '%s' has more than 2^32 vertices", source->name);
+            result = girih_fail(error, GIRIH_ERROR_TOO_LARGE,
+                                "mesh '%s' has more than 2^32 vertices", source->name);
         }
     }
     if (result == GIRIH_OK) {
         uint32_t base = all.vertex_count;
-        memcpy(all.positions + 3 * (size_t)base, made->positions, (size_t)made->vertex_count * 3 * sizeof(float));
-        memcpy(all.normals + 3 * (size_t)base, made->normals, (size_t)made->vertex_count * 3 * sizeof(float));
+        memcpy(all.positions + 3 * (size_t)base, made->positions,
+               (size_t)made->vertex_count * 3 * sizeof(float));
+        memcpy(all.normals + 3 * (size_t)base, made->normals,
+               (size_t)made->vertex_count * 3 * sizeof(float));
         if (model->attribute_floats != 0) {
             memcpy(all.attributes + model->attribute_floats * (size_t)base, made->attributes,
                    (size_t)made->vertex_count * model->attribute_floats * sizeof(float));
@@ -315,11 +330,13 @@ static girih_result create_mixed_mesh(const girih_model *model, uint32_t number,
                 const girih_submesh *range = &made->submeshes[lacking++];
                 girih_submesh *to = &all.submeshes[n];
                 for (uint32_t i = 0; i < range->index_count; i++) {
-                    all.indices[to->first_index + i] = base + made->triangle_vertices[range->first_index + i];
+                    all.indices[to->first_index + i] =
+                        base + made->triangle_vertices[range->first_index + i];
                 }
                 to->index_count = range->index_count;
                 // Nothing refers to them any more; the mesh drops them, but they must be readable.
-                memset(all.normals + 3 * (size_t)next_vertex, 0, (size_t)vertices * 3 * sizeof(float));
+                memset(all.normals + 3 * (size_t)next_vertex, 0,
+                       (size_t)vertices * 3 * sizeof(float));
             }
             next_vertex += vertices;
         }
@@ -333,7 +350,8 @@ static girih_result create_mixed_mesh(const girih_model *model, uint32_t number,
 }
 
 static girih_result prepare_mesh(const girih_model *model, uint32_t number, girih_surface surface,
-                                 float crease_degrees, const girih_mesh **mesh, girih_error *error) {
+                                 float crease_degrees, const girih_mesh **mesh,
+                                 girih_error *error) {
     const girih_gltf_mesh *source = &model->contents->meshes[number];
     bool *lacks = calloc((size_t)source->primitive_count + 1, sizeof *lacks);
     if (lacks == NULL) {
@@ -351,7 +369,8 @@ static girih_result prepare_mesh(const girih_model *model, uint32_t number, giri
         girih_joined joined = {0};
         result = join(&joined, model, number, NULL, lacking == 0, error);
         if (result == GIRIH_OK) {
-            result = create_mesh(model, &joined, source->name, surface, crease_degrees, mesh, error);
+            result =
+                create_mesh(model, &joined, source->name, surface, crease_degrees, mesh, error);
         }
         free_joined(&joined);
     }
@@ -378,8 +397,8 @@ static girih_result prepare_meshes(girih_model *model, girih_surface surface, fl
         if (indices == 0) {
             continue;
         }
-        girih_result result = prepare_mesh(model, m, surface, crease_degrees, &model->meshes[model->mesh_count],
-                                           error);
+        girih_result result = prepare_mesh(model, m, surface, crease_degrees,
+                                           &model->meshes[model->mesh_count], error);
         if (result != GIRIH_OK) {
             return result;
         }
@@ -446,8 +465,9 @@ void girih_model_free(girih_model *model) {
     *model = (girih_model){0};
 }
 
-girih_result girih_model_instances(const girih_model *model, bool placed, girih_instance **instances,
-                                   uint32_t *instance_count, girih_error *error) {
+girih_result girih_model_instances(const girih_model *model, bool placed,
+                                   girih_instance **instances, uint32_t *instance_count,
+                                   girih_error *error) {
     uint32_t room = placed ? model->contents->placement_count : model->mesh_count;
     *instances = malloc(((size_t)room + 1) * sizeof **instances);
     if (*instances == NULL) {

@@ -7,8 +7,8 @@
 
 // What the meshes are prepared for.
 typedef enum girih_model_purpose {
-    GIRIH_MODEL_DRAW,     // materials by glTF material; texture coordinates and colours as attributes
-    GIRIH_MODEL_REFINE,   // a material for every primitive; every attribute kept
+    GIRIH_MODEL_DRAW,   // materials by glTF material; texture coordinates and colours as attributes
+    GIRIH_MODEL_REFINE, // a material for every primitive; every attribute kept
     GIRIH_MODEL_TOPOLOGY, // as REFINE, without attributes
 } girih_model_purpose;
 
@@ -32,13 +32,13 @@ typedef struct girih_model {
     uint32_t *mesh_number;     // [contents->mesh_count] index into meshes, or GIRIH_MODEL_NONE
 
     uint32_t attribute_floats;
-    uint32_t attribute_count;              // REFINE
+    uint32_t attribute_count; // REFINE
     girih_model_attribute *attributes;
-    uint32_t texcoord_float, color_float;  // DRAW: where they begin, or GIRIH_MODEL_NONE
+    uint32_t texcoord_float, color_float; // DRAW: where they begin, or GIRIH_MODEL_NONE
 
     uint32_t material_count;
-    int32_t *materials;        // [material_count] DRAW: the glTF material, -1: the default
-    uint32_t *first_material;  // [contents->mesh_count] REFINE: material of a mesh's first primitive
+    int32_t *materials;       // [material_count] DRAW: the glTF material, -1: the default
+    uint32_t *first_material; // [contents->mesh_count] REFINE: material of a mesh's first primitive
 } girih_model;
 
 // Loads a file and prepares its meshes; warnings go to standard error. A file without triangles is
@@ -53,7 +53,8 @@ void girih_model_free(girih_model *model);
 
 // The instances of the file's placements; of every mesh once, untransformed, where placed is false.
 // On success *instances is the caller's to free.
-girih_result girih_model_instances(const girih_model *model, bool placed, girih_instance **instances,
-                                   uint32_t *instance_count, girih_error *error);
+girih_result girih_model_instances(const girih_model *model, bool placed,
+                                   girih_instance **instances, uint32_t *instance_count,
+                                   girih_error *error);
 
 #endif

@@ -23,16 +23,19 @@ enum {
     KEY_VALIDATION,
 };
 
-#define END_OF_OPTIONS {NULL, 0, NULL, 0, NULL, 0}
+#define END_OF_OPTIONS                                                                             \
+    { NULL, 0, NULL, 0, NULL, 0 }
 
-uint32_t girih_option_count(struct argp_state *state, const char *option, const char *text, uint32_t least,
-                            uint32_t greatest) {
+uint32_t girih_option_count(struct argp_state *state, const char *option, const char *text,
+                            uint32_t least, uint32_t greatest) {
     char *end = NULL;
     errno = 0;
     unsigned long long value = strtoull(text, &end, 10);
     // strtoull takes blanks and signs; a count has neither.
-    if (text[0] < '0' || text[0] > '9' || *end != '\0' || errno != 0 || value < least || value > greatest) {
-        argp_error(state, "--%s: '%s' is not a whole number from %u to %u", option, text, least, greatest);
+    if (text[0] < '0' || text[0] > '9' || *end != '\0' || errno != 0 || value < least ||
+        value > greatest) {
+        argp_error(state, "--%s: '%s' is not a whole number from %u to %u", option, text, least,
+                   greatest);
     }
     return (uint32_t)value;
 }
@@ -62,11 +65,13 @@ static float positive_number(struct argp_state *state, const char *option, const
     return value;
 }
 
-void girih_option_vector(struct argp_state *state, const char *option, const char *text, float vector[3]) {
+void girih_option_vector(struct argp_state *state, const char *option, const char *text,
+                         float vector[3]) {
     const char *end = text;
     for (int n = 0; n < 3; n++) {
         if ((n > 0 && *end++ != ',') || !read_number(&end, &vector[n])) {
-            argp_error(state, "--%s: '%s' is not three numbers with commas between them", option, text);
+            argp_error(state, "--%s: '%s' is not three numbers with commas between them", option,
+                       text);
         }
     }
     if (*end != '\0') {
@@ -86,7 +91,9 @@ girih_mode_option girih_option_mode(struct argp_state *state, const char *text) 
 }
 
 const char *girih_mode_name(girih_mode mode) {
-    return mode == GIRIH_MODE_INSTANCED ? "instanced" : mode == GIRIH_MODE_BAKED ? "baked" : "welded";
+    return mode == GIRIH_MODE_INSTANCED ? "instanced"
+           : mode == GIRIH_MODE_BAKED   ? "baked"
+                                        : "welded";
 }
 
 void girih_option_model(struct argp_state *state, const char **model, const char *text) {
@@ -103,7 +110,7 @@ void girih_options_parse(const struct argp *argp, int argc, char **argv, void *i
     }
 }
 
-// --- How fine ----------------------------------------------------------------------------------------
+// --- How fine ---
 
 static void read_random(struct argp_state *state, const char *text, girih_level_options *options) {
     char seed[16];
@@ -129,9 +136,12 @@ static error_t parse_level(int key, char *argument, struct argp_state *state) {
     if (key != KEY_SEGMENTS && key != KEY_EDGE_PIXELS && key != KEY_EDGE_LENGTH) {
         return ARGP_ERR_UNKNOWN;
     }
-    const char *name = key == KEY_SEGMENTS ? "segments" : key == KEY_EDGE_PIXELS ? "edge-pixels" : "edge-length";
+    const char *name = key == KEY_SEGMENTS      ? "segments"
+                       : key == KEY_EDGE_PIXELS ? "edge-pixels"
+                                                : "edge-length";
     if (options->given != NULL) {
-        argp_error(state, "--%s: --%s is given already, and one is all there can be", name, options->given);
+        argp_error(state, "--%s: --%s is given already, and one is all there can be", name,
+                   options->given);
     }
     options->given = name;
     if (key == KEY_EDGE_PIXELS) {
@@ -151,15 +161,16 @@ static error_t parse_level(int key, char *argument, struct argp_state *state) {
 
 static const struct argp_option level_options[] = {
     {NULL, 0, NULL, 0, "How fine (one of these; without, --edge-pixels 8):", 1},
-    {"segments", KEY_SEGMENTS, "N", 0, "Every edge in N segments; random:SEED:MAX: in 1 to MAX, by a hash of its ends",
-     1},
+    {"segments", KEY_SEGMENTS, "N", 0,
+     "Every edge in N segments; random:SEED:MAX: in 1 to MAX, by a hash of its ends", 1},
     {"edge-pixels", KEY_EDGE_PIXELS, "P", 0, "Segments of about P pixels on the screen", 1},
-    {"edge-length", KEY_EDGE_LENGTH, "L", 0, "Segments of length L at most, in the mesh's own units", 1},
+    {"edge-length", KEY_EDGE_LENGTH, "L", 0,
+     "Segments of length L at most, in the mesh's own units", 1},
     END_OF_OPTIONS};
 
 const struct argp girih_level_argp = {level_options, parse_level, NULL, NULL, NULL, NULL, NULL};
 
-// --- Surface -----------------------------------------------------------------------------------------
+// --- Surface ---
 
 static error_t parse_surface(int key, char *argument, struct argp_state *state) {
     girih_surface_options *options = state->input;
@@ -179,28 +190,29 @@ static error_t parse_surface(int key, char *argument, struct argp_state *state) 
             argp_error(state, "--crease: '%s' is not from 0 to 180", argument);
         }
         return 0;
-    case KEY_CATALOGUE:
-        options->catalogue = argument;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    case KEY_CATALOGUE: options->catalogue = argument; return 0;
+    default: return ARGP_ERR_UNKNOWN;
     }
 }
 
 static const struct argp_option surface_options[] = {
     {NULL, 0, NULL, 0, "Surface:", 2},
-    {"surface", KEY_SURFACE, "flat|pn", 0, "The triangles as they are, or Curved PN triangles (the default)", 2},
+    {"surface", KEY_SURFACE, "flat|pn", 0,
+     "The triangles as they are, or Curved PN triangles (the default)", 2},
     {"crease", KEY_CREASE, "DEGREES", 0,
      "Where a model has no normals: edges that bend by more than this are hard (60)", 2},
     {"catalogue", KEY_CATALOGUE, "dyadic|linear|FILE", 0,
-     "Base patterns: up to 64 segments in powers of two (the default), 1 to 16 segments, or a file", 2},
+     "Base patterns: up to 64 segments in powers of two (the default), 1 to 16 segments, or a file",
+     2},
     END_OF_OPTIONS};
 
-const struct argp girih_surface_argp = {surface_options, parse_surface, NULL, NULL, NULL, NULL, NULL};
+const struct argp girih_surface_argp = {
+    surface_options, parse_surface, NULL, NULL, NULL, NULL, NULL};
 
-// --- Camera ------------------------------------------------------------------------------------------
+// --- Camera ---
 
-static void read_resolution(struct argp_state *state, const char *text, girih_camera_options *options) {
+static void read_resolution(struct argp_state *state, const char *text,
+                            girih_camera_options *options) {
     char width[16];
     const char *comma = strchr(text, ',');
     size_t length = comma != NULL ? (size_t)(comma - text) : 0;
@@ -215,8 +227,8 @@ static void read_resolution(struct argp_state *state, const char *text, girih_ca
 }
 
 static void check_camera(struct argp_state *state, const girih_camera_options *options) {
-    if (options->has_index &&
-        (options->has_position || options->has_focal_point || options->has_view_up || options->has_view_angle)) {
+    if (options->has_index && (options->has_position || options->has_focal_point ||
+                               options->has_view_up || options->has_view_angle)) {
         argp_error(state, "--camera-index: a camera of the file takes no other --camera option");
     }
     if (options->has_position && options->has_focal_point &&
@@ -243,7 +255,8 @@ static error_t parse_camera(int key, char *argument, struct argp_state *state) {
     case KEY_CAMERA_VIEW_UP:
         girih_option_vector(state, "camera-view-up", argument, options->view_up);
         options->has_view_up = true;
-        if (options->view_up[0] == 0.0f && options->view_up[1] == 0.0f && options->view_up[2] == 0.0f) {
+        if (options->view_up[0] == 0.0f && options->view_up[1] == 0.0f &&
+            options->view_up[2] == 0.0f) {
             argp_error(state, "--camera-view-up: a direction cannot be 0,0,0");
         }
         return 0;
@@ -258,14 +271,9 @@ static error_t parse_camera(int key, char *argument, struct argp_state *state) {
         options->index = girih_option_count(state, "camera-index", argument, 0, UINT32_MAX);
         options->has_index = true;
         return 0;
-    case KEY_RESOLUTION:
-        read_resolution(state, argument, options);
-        return 0;
-    case ARGP_KEY_END:
-        check_camera(state, options);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    case KEY_RESOLUTION: read_resolution(state, argument, options); return 0;
+    case ARGP_KEY_END: check_camera(state, options); return 0;
+    default: return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -281,27 +289,21 @@ static const struct argp_option camera_options[] = {
 
 const struct argp girih_camera_argp = {camera_options, parse_camera, NULL, NULL, NULL, NULL, NULL};
 
-// --- Device ------------------------------------------------------------------------------------------
+// --- Device ---
 
 static error_t parse_device(int key, char *argument, struct argp_state *state) {
     girih_device_options *options = state->input;
     switch (key) {
     case ARGP_KEY_INIT: {
         const char *validation = getenv("GIRIH_VALIDATION");
-        *options = (girih_device_options){.validation = validation != NULL && strcmp(validation, "1") == 0};
+        *options = (girih_device_options){.validation =
+                                              validation != NULL && strcmp(validation, "1") == 0};
         return 0;
     }
-    case KEY_DEVICE:
-        options->name = argument;
-        return 0;
-    case KEY_CPU:
-        options->cpu = true;
-        return 0;
-    case KEY_VALIDATION:
-        options->validation = true;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    case KEY_DEVICE: options->name = argument; return 0;
+    case KEY_CPU: options->cpu = true; return 0;
+    case KEY_VALIDATION: options->validation = true; return 0;
+    default: return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -310,7 +312,9 @@ static const struct argp_option device_options[] = {
     {"device", KEY_DEVICE, "NAME", 0, "The Vulkan device whose name has NAME in it", 4},
     {"cpu", KEY_CPU, NULL, 0, "Refine on the CPU instead", 4},
     {"validation", KEY_VALIDATION, NULL, 0,
-     "Check every Vulkan call (Khronos validation layer); a message is a failure. GIRIH_VALIDATION=1 does the same", 4},
+     "Check every Vulkan call (Khronos validation layer); a message is a failure. "
+     "GIRIH_VALIDATION=1 does the same",
+     4},
     END_OF_OPTIONS};
 
 const struct argp girih_device_argp = {device_options, parse_device, NULL, NULL, NULL, NULL, NULL};

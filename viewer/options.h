@@ -56,10 +56,11 @@ enum { GIRIH_KEY_SHARED = 256, GIRIH_KEY_OWN = 512 };
 
 // Readers of option values. A value that cannot be read ends the program as wrong use, with a line
 // that names the option.
-uint32_t girih_option_count(struct argp_state *state, const char *option, const char *text, uint32_t least,
-                            uint32_t greatest);
+uint32_t girih_option_count(struct argp_state *state, const char *option, const char *text,
+                            uint32_t least, uint32_t greatest);
 float girih_option_number(struct argp_state *state, const char *option, const char *text);
-void girih_option_vector(struct argp_state *state, const char *option, const char *text, float vector[3]);
+void girih_option_vector(struct argp_state *state, const char *option, const char *text,
+                         float vector[3]);
 girih_mode_option girih_option_mode(struct argp_state *state, const char *text);
 const char *girih_mode_name(girih_mode mode);
 

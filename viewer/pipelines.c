@@ -21,7 +21,8 @@ typedef struct shader {
 
 #define SHADER(NAME) ((shader){girih_spirv_##NAME, sizeof girih_spirv_##NAME})
 
-static shader choose_vertex_shader(const girih_pipelines *pipelines, const girih_pipeline_key *key) {
+static shader choose_vertex_shader(const girih_pipelines *pipelines,
+                                   const girih_pipeline_key *key) {
     if (key->background) {
         return SHADER(background_vertex);
     }
@@ -31,14 +32,18 @@ static shader choose_vertex_shader(const girih_pipelines *pipelines, const girih
     if (pipelines->attribute_floats == 0) {
         return key->surface == GIRIH_SURFACE_PN ? SHADER(model_pn) : SHADER(model_flat);
     }
-    return key->surface == GIRIH_SURFACE_PN ? SHADER(model_pn_attributes) : SHADER(model_flat_attributes);
+    return key->surface == GIRIH_SURFACE_PN ? SHADER(model_pn_attributes)
+                                            : SHADER(model_flat_attributes);
 }
 
-static girih_result create_module(VkDevice device, shader code, VkShaderModule *module, girih_error *error) {
-    VkShaderModuleCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code.size, .pCode = code.words};
+static girih_result create_module(VkDevice device, shader code, VkShaderModule *module,
+                                  girih_error *error) {
+    VkShaderModuleCreateInfo info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                     .codeSize = code.size,
+                                     .pCode = code.words};
     VkResult result = vkCreateShaderModule(device, &info, NULL, module);
-    return result == VK_SUCCESS ? GIRIH_OK : girih_vulkan_failure(error, "vkCreateShaderModule", result);
+    return result == VK_SUCCESS ? GIRIH_OK
+                                : girih_vulkan_failure(error, "vkCreateShaderModule", result);
 }
 
 // Vertex input of the baked and welded modes: positions in one buffer, normals and attributes in
@@ -85,15 +90,16 @@ static VkPipelineColorBlendAttachmentState blend_state(const girih_pipeline_key 
         .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
         .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
         .alphaBlendOp = VK_BLEND_OP_ADD,
-        .colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT |
-                          VK_COLOR_COMPONENT_A_BIT,
+        .colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
+                          VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT,
     };
 }
 
 static girih_result create_pipeline(const girih_pipelines *pipelines, const girih_pipeline_key *key,
-                                    const girih_plan *plan, const VkShaderModule modules[2], VkPipeline *pipeline,
-                                    girih_error *error) {
-    VkBool32 switches[5] = {key->has_texcoord, key->has_color, key->alpha_mode == GIRIH_GLTF_ALPHA_MASK,
+                                    const girih_plan *plan, const VkShaderModule modules[2],
+                                    VkPipeline *pipeline, girih_error *error) {
+    VkBool32 switches[5] = {key->has_texcoord, key->has_color,
+                            key->alpha_mode == GIRIH_GLTF_ALPHA_MASK,
                             key->alpha_mode == GIRIH_GLTF_ALPHA_BLEND, key->line};
     VkSpecializationMapEntry entries[5];
     for (uint32_t n = 0; n < 5; n++) {
@@ -119,15 +125,18 @@ static girih_result create_pipeline(const girih_pipelines *pipelines, const giri
         .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
     };
     VkPipelineViewportStateCreateInfo viewport = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+        .viewportCount = 1,
+        .scissorCount = 1};
     VkPipelineRasterizationStateCreateInfo rasterization = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
         .polygonMode = key->line ? VK_POLYGON_MODE_LINE : VK_POLYGON_MODE_FILL,
         .cullMode = key->cull,
         .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
         // Lines lie a little nearer than the triangles they run along; depth is reversed. At a
-        // silhouette front and back faces meet, and rounding may put either first. A closed surface has
-        // a front face wherever it has a back face, so pushed back, these show through holes alone.
+        // silhouette front and back faces meet, and rounding may put either first. A closed surface
+        // has a front face wherever it has a back face, so pushed back, these show through holes
+        // alone.
         .depthBiasEnable = key->line || key->behind,
         .depthBiasConstantFactor = key->line ? 16.0f : -64.0f,
         .depthBiasSlopeFactor = key->line ? 1.0f : -2.0f,
@@ -140,7 +149,8 @@ static girih_result create_pipeline(const girih_pipelines *pipelines, const giri
     VkPipelineDepthStencilStateCreateInfo depth = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = !key->background,
-        .depthWriteEnable = !key->background && !key->line && key->alpha_mode != GIRIH_GLTF_ALPHA_BLEND,
+        .depthWriteEnable =
+            !key->background && !key->line && key->alpha_mode != GIRIH_GLTF_ALPHA_BLEND,
         .depthCompareOp = VK_COMPARE_OP_GREATER_OR_EQUAL,
     };
     VkPipelineColorBlendAttachmentState attachment = blend_state(key);
@@ -172,20 +182,24 @@ static girih_result create_pipeline(const girih_pipelines *pipelines, const giri
         .layout = pipelines->layout,
         .renderPass = pipelines->pass,
     };
-    VkResult result = vkCreateGraphicsPipelines(pipelines->device, VK_NULL_HANDLE, 1, &info, NULL, pipeline);
-    return result == VK_SUCCESS ? GIRIH_OK : girih_vulkan_failure(error, "vkCreateGraphicsPipelines", result);
+    VkResult result =
+        vkCreateGraphicsPipelines(pipelines->device, VK_NULL_HANDLE, 1, &info, NULL, pipeline);
+    return result == VK_SUCCESS ? GIRIH_OK
+                                : girih_vulkan_failure(error, "vkCreateGraphicsPipelines", result);
 }
 
 static bool keys_equal(const girih_pipeline_key *a, const girih_pipeline_key *b) {
     if (a->background || b->background) {
         return a->background == b->background;
     }
-    return a->instanced == b->instanced && a->surface == b->surface && a->has_texcoord == b->has_texcoord &&
-           a->has_color == b->has_color && a->alpha_mode == b->alpha_mode && a->cull == b->cull && a->line == b->line && a->behind == b->behind;
+    return a->instanced == b->instanced && a->surface == b->surface &&
+           a->has_texcoord == b->has_texcoord && a->has_color == b->has_color &&
+           a->alpha_mode == b->alpha_mode && a->cull == b->cull && a->line == b->line &&
+           a->behind == b->behind;
 }
 
-girih_result girih_pipelines_get(girih_pipelines *pipelines, const girih_pipeline_key *key, const girih_plan *plan,
-                                 VkPipeline *pipeline, girih_error *error) {
+girih_result girih_pipelines_get(girih_pipelines *pipelines, const girih_pipeline_key *key,
+                                 const girih_plan *plan, VkPipeline *pipeline, girih_error *error) {
     for (uint32_t n = 0; n < pipelines->count; n++) {
         if (keys_equal(&pipelines->entries[n].key, key)) {
             *pipeline = pipelines->entries[n].pipeline;
@@ -199,7 +213,8 @@ girih_result girih_pipelines_get(girih_pipelines *pipelines, const girih_pipelin
     }
     pipelines->entries = grown;
     VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
-    girih_result result = create_module(pipelines->device, choose_vertex_shader(pipelines, key), &modules[0], error);
+    girih_result result =
+        create_module(pipelines->device, choose_vertex_shader(pipelines, key), &modules[0], error);
     if (result == GIRIH_OK) {
         shader fragment = key->background ? SHADER(background_fragment) : SHADER(model_fragment);
         result = create_module(pipelines->device, fragment, &modules[1], error);

@@ -54,12 +54,13 @@ typedef struct girih_pipelines {
     struct girih_pipeline_entry {
         girih_pipeline_key key;
         VkPipeline pipeline;
-    } *entries;
+    } * entries;
 } girih_pipelines;
 
-// The pipeline of a key. plan gives the vertex input of the instanced mode; otherwise it may be NULL.
-girih_result girih_pipelines_get(girih_pipelines *pipelines, const girih_pipeline_key *key, const girih_plan *plan,
-                                 VkPipeline *pipeline, girih_error *error);
+// The pipeline of a key. plan gives the vertex input of the instanced mode; otherwise it may be
+// NULL.
+girih_result girih_pipelines_get(girih_pipelines *pipelines, const girih_pipeline_key *key,
+                                 const girih_plan *plan, VkPipeline *pipeline, girih_error *error);
 
 void girih_pipelines_free(girih_pipelines *pipelines);
 

@@ -20,13 +20,14 @@ typedef struct refine_options {
     bool json;
 } refine_options;
 
-// --- Options ---------------------------------------------------------------------------------------------
+// --- Options ---
 
 enum { KEY_MODE = GIRIH_KEY_OWN, KEY_JSON };
 
 static const struct argp_option own_options[] = {
     {"output", 'o', "FILE", 0, "The .glb to write", 0},
-    {"mode", KEY_MODE, "welded|baked", 0, "Share vertices between triangles (welded, the default), or not", 0},
+    {"mode", KEY_MODE, "welded|baked", 0,
+     "Share vertices between triangles (welded, the default), or not", 0},
     {"json", KEY_JSON, NULL, 0, "Print one JSON object with counts and times", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
@@ -39,33 +40,26 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         state->child_inputs[2] = &options->camera;
         state->child_inputs[3] = &options->device;
         return 0;
-    case 'o':
-        options->output = argument;
-        return 0;
+    case 'o': options->output = argument; return 0;
     case KEY_MODE: {
         girih_mode_option mode = girih_option_mode(state, argument);
         if (mode == GIRIH_MODE_OPTION_INSTANCED) {
-            argp_error(state, "--mode: instanced triangles are drawn, not written; there are welded and baked");
+            argp_error(
+                state,
+                "--mode: instanced triangles are drawn, not written; there are welded and baked");
         }
         options->mode = mode == GIRIH_MODE_OPTION_BAKED ? GIRIH_MODE_BAKED : GIRIH_MODE_WELDED;
         return 0;
     }
-    case KEY_JSON:
-        options->json = true;
-        return 0;
-    case ARGP_KEY_ARG:
-        girih_option_model(state, &options->model, argument);
-        return 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "no MODEL");
-        return 0;
+    case KEY_JSON: options->json = true; return 0;
+    case ARGP_KEY_ARG: girih_option_model(state, &options->model, argument); return 0;
+    case ARGP_KEY_NO_ARGS: argp_error(state, "no MODEL"); return 0;
     case ARGP_KEY_END:
         if (options->output == NULL) {
             argp_error(state, "no -o FILE to write to");
         }
         return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    default: return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -76,17 +70,23 @@ static const struct argp_child children[] = {{&girih_level_argp, 0, NULL, 1},
                                              {NULL, 0, NULL, 0}};
 
 static const struct argp refine_argp = {
-    own_options, parse, "MODEL -o OUT.glb",
-    "Writes MODEL (.gltf or .glb) with its triangles refined: nodes, materials, textures and every vertex attribute "
-    "are kept; skins, morph targets and animations are left out. Nothing is culled. --edge-pixels measures each mesh "
+    own_options,
+    parse,
+    "MODEL -o OUT.glb",
+    "Writes MODEL (.gltf or .glb) with its triangles refined: nodes, materials, textures and every "
+    "vertex attribute "
+    "are kept; skins, morph targets and animations are left out. Nothing is culled. --edge-pixels "
+    "measures each mesh "
     "where it stands in its own space."
     "\vExamples:\n"
     "  girih refine spot.glb --segments 4 -o fine.glb\n"
     "  girih refine spot.glb --segments random:7:16 --surface flat -o uneven.glb\n"
     "  girih refine spot.glb --edge-length 0.02 --catalogue linear --cpu --json -o even.glb\n",
-    children, NULL, NULL};
+    children,
+    NULL,
+    NULL};
 
-// --- Refining --------------------------------------------------------------------------------------------
+// --- Refining ---
 
 typedef struct session {
     const refine_options *options;
@@ -139,7 +139,8 @@ static girih_result refine_on_cpu(session *s, girih_error *error) {
 }
 
 // Reads a plan's output into the form that the CPU gives it.
-static girih_result read_output(session *s, girih_device *device, const girih_plan *plan, girih_error *error) {
+static girih_result read_output(session *s, girih_device *device, const girih_plan *plan,
+                                girih_error *error) {
     girih_cpu_output *output = &s->output;
     girih_plan_buffers buffers = girih_plan_get_buffers(plan);
     output->statistics = girih_plan_statistics(plan);
@@ -162,9 +163,11 @@ static girih_result read_output(session *s, girih_device *device, const girih_pl
         output->material_first[n + 1] = output->material_first[n] + count;
     }
     girih_report_progress("reading back");
-    girih_result result = girih_device_read(device, buffers.positions, vertices * 12, output->positions, error);
+    girih_result result =
+        girih_device_read(device, buffers.positions, vertices * 12, output->positions, error);
     if (result == GIRIH_OK) {
-        result = girih_device_read(device, buffers.attributes, vertices * floats * 4, output->attributes, error);
+        result = girih_device_read(device, buffers.attributes, vertices * floats * 4,
+                                   output->attributes, error);
     }
     if (result == GIRIH_OK) {
         result = girih_device_read(device, buffers.indices, triangles * 12, output->indices, error);
@@ -184,7 +187,8 @@ static girih_result refine_on_device(session *s, girih_error *error) {
     snprintf(s->device, sizeof s->device, "%s", device.properties.deviceName);
     result = girih_device_context(&device, s->catalogue.catalogue, &context, error);
     if (result == GIRIH_OK) {
-        result = girih_refinement_scene(&device, context, s->model.meshes, s->model.mesh_count, &scene, error);
+        result = girih_refinement_scene(&device, context, s->model.meshes, s->model.mesh_count,
+                                        &scene, error);
     }
     if (result == GIRIH_OK) {
         girih_refinement_desc desc = {
@@ -213,7 +217,7 @@ static girih_result refine_on_device(session *s, girih_error *error) {
     return result;
 }
 
-// --- From the output back to primitives --------------------------------------------------------------------
+// --- From the output back to primitives ---
 
 // One primitive's arrays, as girih_gltf_write wants them.
 typedef struct primitive_arrays {
@@ -230,8 +234,8 @@ typedef struct used_vertices {
     uint32_t count;
 } used_vertices;
 
-// What glTF asks of attributes that interpolation does not keep: tangents of unit length with a sign,
-// colours in [0, 1].
+// What glTF asks of attributes that interpolation does not keep: tangents of unit length with a
+// sign, colours in [0, 1].
 static void mend_attribute(const char *name, uint32_t components, float *value) {
     if (strcmp(name, "TANGENT") == 0 && components == 4) {
         float length = sqrtf(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
@@ -292,8 +296,8 @@ static float *gather_attribute(const used_vertices *used, const girih_model *mod
 
 // number: output vertex -> vertex of the primitive, UINT32_MAX where it has none yet. No vertex is
 // shared between primitives, so it serves for all of them.
-static girih_result fill_primitive(const session *s, const girih_gltf_primitive *source, uint32_t material,
-                                   uint32_t *number, primitive_arrays *arrays,
+static girih_result fill_primitive(const session *s, const girih_gltf_primitive *source,
+                                   uint32_t material, uint32_t *number, primitive_arrays *arrays,
                                    girih_gltf_refined_primitive *refined, girih_error *error) {
     const girih_cpu_output *output = &s->output;
     used_vertices used = {.output = output};
@@ -303,9 +307,10 @@ static girih_result fill_primitive(const session *s, const girih_gltf_primitive 
     }
     size_t index_count = 3 * (size_t)used.triangle_count;
     if (index_count > UINT32_MAX) {
-        return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
-                          "%u triangles in one primitive are more than glTF counts; ask for fewer segments",
-                          used.triangle_count);
+        return girih_fail(
+            error, GIRIH_ERROR_TOO_LARGE,
+            "%u triangles in one primitive are more than glTF counts; ask for fewer segments",
+            used.triangle_count);
     }
     const uint32_t *from = output->indices + 3 * (size_t)used.first_triangle;
     arrays->indices = malloc(index_count * 4 + 1);
@@ -362,8 +367,10 @@ static void free_arrays(const girih_gltf_contents *contents, primitive_arrays *a
     free(arrays);
 }
 
-static girih_result fill_primitives(session *s, primitive_arrays *arrays, girih_gltf_refined_primitive *refined,
-                                    const girih_gltf_refined_primitive **meshes, girih_error *error) {
+static girih_result fill_primitives(session *s, primitive_arrays *arrays,
+                                    girih_gltf_refined_primitive *refined,
+                                    const girih_gltf_refined_primitive **meshes,
+                                    girih_error *error) {
     const girih_gltf_contents *contents = s->model.contents;
     size_t vertices = (size_t)s->output.statistics.output_vertices;
     uint32_t *number = malloc(vertices * 4 + 1);
@@ -375,9 +382,10 @@ static girih_result fill_primitives(session *s, primitive_arrays *arrays, girih_
     uint32_t at = 0;
     for (uint32_t m = 0; m < contents->mesh_count; m++) {
         meshes[m] = refined + at;
-        for (uint32_t n = 0; n < contents->meshes[m].primitive_count && result == GIRIH_OK; n++, at++) {
-            result = fill_primitive(s, &contents->meshes[m].primitives[n], at, number, &arrays[at], &refined[at],
-                                    error);
+        for (uint32_t n = 0; n < contents->meshes[m].primitive_count && result == GIRIH_OK;
+             n++, at++) {
+            result = fill_primitive(s, &contents->meshes[m].primitives[n], at, number, &arrays[at],
+                                    &refined[at], error);
         }
     }
     free(number);
@@ -392,7 +400,8 @@ static girih_result write_model(session *s, girih_error *error) {
     }
     primitive_arrays *arrays = calloc(primitive_count + 1, sizeof *arrays);
     girih_gltf_refined_primitive *refined = calloc(primitive_count + 1, sizeof *refined);
-    const girih_gltf_refined_primitive **meshes = calloc((size_t)contents->mesh_count + 1, sizeof *meshes);
+    const girih_gltf_refined_primitive **meshes =
+        calloc((size_t)contents->mesh_count + 1, sizeof *meshes);
     girih_result result = arrays == NULL || refined == NULL || meshes == NULL
                               ? no_memory(error)
                               : fill_primitives(s, arrays, refined, meshes, error);
@@ -413,7 +422,7 @@ static girih_result write_model(session *s, girih_error *error) {
     return result;
 }
 
-// --- The command -------------------------------------------------------------------------------------------
+// --- The command ---
 
 // Whether two names lead to one file.
 static bool is_same_file(const char *a, const char *b) {
@@ -426,9 +435,10 @@ static void warn_of_losses(const session *s) {
     const girih_gltf_contents *contents = s->model.contents;
     if (contents->animation_count + contents->skin_count + contents->morph_target_count != 0) {
         char text[160];
-        snprintf(text, sizeof text,
-                 "%u animations, %u skins and %u morph targets are left out; the bind pose is written",
-                 contents->animation_count, contents->skin_count, contents->morph_target_count);
+        snprintf(
+            text, sizeof text,
+            "%u animations, %u skins and %u morph targets are left out; the bind pose is written",
+            contents->animation_count, contents->skin_count, contents->morph_target_count);
         girih_report_warning(s->options->model, text);
     }
 }
@@ -436,20 +446,22 @@ static void warn_of_losses(const session *s) {
 static girih_result make_model(session *s, girih_error *error) {
     const refine_options *options = s->options;
     if (is_same_file(options->model, options->output)) {
-        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "is the input; write to another file");
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "is the input; write to another file");
     }
-    girih_result result = girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
+    girih_result result =
+        girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
     if (result == GIRIH_OK) {
-        result = girih_model_load(&s->model, options->model, GIRIH_MODEL_REFINE, options->surface.surface,
-                                  options->surface.crease_degrees, error);
+        result = girih_model_load(&s->model, options->model, GIRIH_MODEL_REFINE,
+                                  options->surface.surface, options->surface.crease_degrees, error);
     }
     if (result == GIRIH_OK) {
         warn_of_losses(s);
         result = girih_model_instances(&s->model, false, &s->instances, &s->instance_count, error);
     }
     if (result == GIRIH_OK) {
-        result = girih_frame_create(&s->frame, &options->levels, &options->camera, &s->model, s->instances,
-                                    s->instance_count, error);
+        result = girih_frame_create(&s->frame, &options->levels, &options->camera, &s->model,
+                                    s->instances, s->instance_count, error);
     }
     if (result == GIRIH_OK) {
         result = options->device.cpu ? refine_on_cpu(s, error) : refine_on_device(s, error);
@@ -482,7 +494,8 @@ int girih_command_refine(int argc, char **argv) {
     const char *mode = girih_mode_name(options.mode);
     if (options.json) {
         json_t *report = girih_report_json(s.device, mode, &statistics, &s.times);
-        if (report != NULL && json_object_set_new(report, "output", json_string(options.output)) != 0) {
+        if (report != NULL &&
+            json_object_set_new(report, "output", json_string(options.output)) != 0) {
             json_decref(report);
             report = NULL;
         }

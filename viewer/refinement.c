@@ -3,8 +3,8 @@
 #include "error.h"
 
 girih_result girih_refinement_scene(girih_device *device, const girih_context *context,
-                                    const girih_mesh *const *meshes, uint32_t mesh_count, girih_scene **scene,
-                                    girih_error *error) {
+                                    const girih_mesh *const *meshes, uint32_t mesh_count,
+                                    girih_scene **scene, girih_error *error) {
     girih_report_progress("uploading");
     girih_result result = girih_scene_create(context, meshes, mesh_count, scene, error);
     if (result == GIRIH_OK) {
@@ -25,13 +25,14 @@ girih_result girih_refinement_scene(girih_device *device, const girih_context *c
 }
 
 // What a plan's creation says, with the size it was for and what to do.
-static girih_result explain(girih_result result, const girih_error *reason, uint64_t triangles, uint64_t vertices,
-                            girih_error *error) {
+static girih_result explain(girih_result result, const girih_error *reason, uint64_t triangles,
+                            uint64_t vertices, girih_error *error) {
     if (result == GIRIH_ERROR_TOO_LARGE || result == GIRIH_ERROR_OUT_OF_DEVICE_MEMORY ||
         result == GIRIH_ERROR_OUT_OF_MEMORY) {
-        return girih_fail(error, result,
-                          "too large: %llu triangles with %llu vertices; ask for fewer segments (%.200s)",
-                          (unsigned long long)triangles, (unsigned long long)vertices, reason->message);
+        return girih_fail(
+            error, result,
+            "too large: %llu triangles with %llu vertices; ask for fewer segments (%.200s)",
+            (unsigned long long)triangles, (unsigned long long)vertices, reason->message);
     }
     return girih_fail(error, result, "%s", reason->message);
 }
@@ -115,9 +116,10 @@ girih_result girih_refinement_run(girih_refinement *refinement, const girih_refi
         girih_plan_destroy(refinement->plan);
         refinement->plan = NULL;
         if (needed_triangles <= triangles && needed_vertices <= vertices) {
-            result = girih_fail(error, GIRIH_ERROR_DEVICE,
-                                "the device reports an overflow with room for %llu triangles, which should do",
-                                (unsigned long long)triangles);
+            result = girih_fail(
+                error, GIRIH_ERROR_DEVICE,
+                "the device reports an overflow with room for %llu triangles, which should do",
+                (unsigned long long)triangles);
             break;
         }
         triangles = needed_triangles > triangles ? needed_triangles : triangles;

@@ -13,7 +13,7 @@ typedef struct girih_refinement_desc {
     uint32_t instance_count;
     girih_surface surface;
     girih_mode mode;
-    uint32_t outputs;         // girih_output_bits
+    uint32_t outputs; // girih_output_bits
     VkBufferUsageFlags vertex_usage, index_usage;
 } girih_refinement_desc;
 
@@ -28,7 +28,7 @@ girih_result girih_refinement_run(girih_refinement *refinement, const girih_refi
 
 // A scene of the model's meshes, uploaded together with the context's catalogue.
 girih_result girih_refinement_scene(girih_device *device, const girih_context *context,
-                                    const girih_mesh *const *meshes, uint32_t mesh_count, girih_scene **scene,
-                                    girih_error *error);
+                                    const girih_mesh *const *meshes, uint32_t mesh_count,
+                                    girih_scene **scene, girih_error *error);
 
 #endif

@@ -23,21 +23,33 @@ typedef struct render_options {
     float back_face_color[3];
 } render_options;
 
-// --- Options ---------------------------------------------------------------------------------------------
+// --- Options ---
 
-enum { KEY_MODE = GIRIH_KEY_OWN, KEY_SHADE, KEY_WIREFRAME, KEY_BACKFACE_COLOR, KEY_BESIDE_INPUT, KEY_JSON };
+enum {
+    KEY_MODE = GIRIH_KEY_OWN,
+    KEY_SHADE,
+    KEY_WIREFRAME,
+    KEY_BACKFACE_COLOR,
+    KEY_BESIDE_INPUT,
+    KEY_JSON
+};
 
 static const struct argp_option own_options[] = {
     {"output", 'o', "FILE", 0, "The PNG to write", 0},
     {"mode", KEY_MODE, "instanced|baked|welded|auto", 0,
      "How triangles reach the rasteriser; the picture is the same (auto)", 0},
     {"shade", KEY_SHADE, "lit|normals|levels|patterns", 0,
-     "levels and patterns colour triangles by the largest edge level, or by base pattern; they are drawn in the "
-     "instanced mode whatever --mode says", 0},
+     "levels and patterns colour triangles by the largest edge level, or by base pattern; they are "
+     "drawn in the "
+     "instanced mode whatever --mode says",
+     0},
     {"wireframe", KEY_WIREFRAME, NULL, 0, "Draw the triangles' edges over the picture", 0},
     {"backface-color", KEY_BACKFACE_COLOR, "R,G,B", 0,
-     "Draw back faces too, all in this flat colour (each from 0 to 1): cracks and flipped triangles show", 0},
-    {"beside-input", KEY_BESIDE_INPUT, NULL, 0, "Left half: the model as it is; right half: refined", 0},
+     "Draw back faces too, all in this flat colour (each from 0 to 1): cracks and flipped "
+     "triangles show",
+     0},
+    {"beside-input", KEY_BESIDE_INPUT, NULL, 0,
+     "Left half: the model as it is; right half: refined", 0},
     {"json", KEY_JSON, NULL, 0, "Print one JSON object with counts and times", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
@@ -56,8 +68,11 @@ static void check_options(struct argp_state *state, const render_options *option
     if (options->output == NULL) {
         argp_error(state, "no -o FILE to write the picture to");
     }
-    if (options->device.cpu && (options->shade == GIRIH_SHADE_LEVELS || options->shade == GIRIH_SHADE_PATTERNS)) {
-        argp_error(state, "--shade levels and patterns are drawn in the instanced mode, which --cpu has not");
+    if (options->device.cpu &&
+        (options->shade == GIRIH_SHADE_LEVELS || options->shade == GIRIH_SHADE_PATTERNS)) {
+        argp_error(
+            state,
+            "--shade levels and patterns are drawn in the instanced mode, which --cpu has not");
     }
     if (options->device.cpu && options->mode == GIRIH_MODE_OPTION_INSTANCED) {
         argp_error(state, "--mode instanced evaluates on the device, --cpu does not");
@@ -76,44 +91,26 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         state->child_inputs[2] = &options->camera;
         state->child_inputs[3] = &options->device;
         return 0;
-    case 'o':
-        options->output = argument;
-        return 0;
-    case KEY_MODE:
-        options->mode = girih_option_mode(state, argument);
-        return 0;
-    case KEY_SHADE:
-        options->shade = read_shade(state, argument);
-        return 0;
-    case KEY_WIREFRAME:
-        options->wireframe = true;
-        return 0;
+    case 'o': options->output = argument; return 0;
+    case KEY_MODE: options->mode = girih_option_mode(state, argument); return 0;
+    case KEY_SHADE: options->shade = read_shade(state, argument); return 0;
+    case KEY_WIREFRAME: options->wireframe = true; return 0;
     case KEY_BACKFACE_COLOR:
         girih_option_vector(state, "backface-color", argument, options->back_face_color);
         for (int n = 0; n < 3; n++) {
             if (!(options->back_face_color[n] >= 0.0f && options->back_face_color[n] <= 1.0f)) {
-                argp_error(state, "--backface-color: '%s' is not three numbers from 0 to 1", argument);
+                argp_error(state, "--backface-color: '%s' is not three numbers from 0 to 1",
+                           argument);
             }
         }
         options->has_back_face_color = true;
         return 0;
-    case KEY_BESIDE_INPUT:
-        options->beside_input = true;
-        return 0;
-    case KEY_JSON:
-        options->json = true;
-        return 0;
-    case ARGP_KEY_ARG:
-        girih_option_model(state, &options->model, argument);
-        return 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "no MODEL");
-        return 0;
-    case ARGP_KEY_END:
-        check_options(state, options);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    case KEY_BESIDE_INPUT: options->beside_input = true; return 0;
+    case KEY_JSON: options->json = true; return 0;
+    case ARGP_KEY_ARG: girih_option_model(state, &options->model, argument); return 0;
+    case ARGP_KEY_NO_ARGS: argp_error(state, "no MODEL"); return 0;
+    case ARGP_KEY_END: check_options(state, options); return 0;
+    default: return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -124,7 +121,9 @@ static const struct argp_child children[] = {{&girih_level_argp, 0, NULL, 1},
                                              {NULL, 0, NULL, 0}};
 
 static const struct argp render_argp = {
-    own_options, parse, "MODEL -o OUT.png",
+    own_options,
+    parse,
+    "MODEL -o OUT.png",
     "Draws MODEL (.gltf or .glb), its triangles refined on the graphics device, into a PNG."
     "\vExamples:\n"
     "  girih render teapot.glb -o teapot.png\n"
@@ -132,9 +131,11 @@ static const struct argp render_argp = {
     "  girih render teapot.glb --segments random:7:16 --wireframe -o lines.png\n"
     "  girih render city.gltf --camera-index 0 --edge-pixels 4 --json -o city.png\n"
     "  girih render model.glb --backface-color 1,0,1 -o cracks.png\n",
-    children, NULL, NULL};
+    children,
+    NULL,
+    NULL};
 
-// --- The work --------------------------------------------------------------------------------------------
+// --- The work ---
 
 // Everything that lives as long as the picture is in the making.
 typedef struct session {
@@ -166,21 +167,25 @@ static bool is_by_range(girih_shade shade) {
 
 static girih_result choose_mode(session *s, girih_error *error) {
     const render_options *options = s->options;
-    bool can_instance = s->device.features.multiDrawIndirect && s->device.features.drawIndirectFirstInstance;
-    bool must_instance = options->mode == GIRIH_MODE_OPTION_INSTANCED || is_by_range(options->shade);
+    bool can_instance =
+        s->device.features.multiDrawIndirect && s->device.features.drawIndirectFirstInstance;
+    bool must_instance =
+        options->mode == GIRIH_MODE_OPTION_INSTANCED || is_by_range(options->shade);
     if (must_instance && !can_instance) {
-        return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
-                          "%s: %s draws neither several indirect commands at once nor from a first instance "
-                          "(multiDrawIndirect, drawIndirectFirstInstance); %s",
-                          is_by_range(options->shade) ? "--shade levels and patterns" : "--mode instanced",
-                          s->device.properties.deviceName,
-                          is_by_range(options->shade) ? "use another --shade" : "use --mode baked");
+        return girih_fail(
+            error, GIRIH_ERROR_UNSUPPORTED,
+            "%s: %s draws neither several indirect commands at once nor from a first instance "
+            "(multiDrawIndirect, drawIndirectFirstInstance); %s",
+            is_by_range(options->shade) ? "--shade levels and patterns" : "--mode instanced",
+            s->device.properties.deviceName,
+            is_by_range(options->shade) ? "use another --shade" : "use --mode baked");
     }
     if (must_instance) {
         s->mode = GIRIH_MODE_INSTANCED;
     } else if (options->mode == GIRIH_MODE_OPTION_AUTO) {
         bool is_cpu = s->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-        s->mode = is_cpu || !can_instance || options->device.cpu ? GIRIH_MODE_BAKED : GIRIH_MODE_INSTANCED;
+        s->mode = is_cpu || !can_instance || options->device.cpu ? GIRIH_MODE_BAKED
+                                                                 : GIRIH_MODE_INSTANCED;
     } else {
         s->mode = options->mode == GIRIH_MODE_OPTION_BAKED ? GIRIH_MODE_BAKED : GIRIH_MODE_WELDED;
     }
@@ -188,14 +193,16 @@ static girih_result choose_mode(session *s, girih_error *error) {
 }
 
 static girih_result open_device(session *s, girih_error *error) {
-    VkPhysicalDeviceFeatures wanted = {.fillModeNonSolid = s->options->wireframe};
+    VkPhysicalDeviceFeatures wanted = {.fillModeNonSolid = s->options->wireframe,
+                                       .samplerAnisotropy = VK_TRUE};
     girih_result result = girih_device_open(&s->device, &s->options->device, true, &wanted, error);
     if (result != GIRIH_OK) {
         return result;
     }
     s->is_device_open = true;
     if (s->options->wireframe && !s->device.features.fillModeNonSolid) {
-        return girih_fail(error, GIRIH_ERROR_UNSUPPORTED, "--wireframe: %s does not draw lines (fillModeNonSolid)",
+        return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
+                          "--wireframe: %s does not draw lines (fillModeNonSolid)",
                           s->device.properties.deviceName);
     }
     result = choose_mode(s, error);
@@ -204,21 +211,23 @@ static girih_result open_device(session *s, girih_error *error) {
     }
     result = girih_device_context(&s->device, s->catalogue.catalogue, &s->context, error);
     if (result == GIRIH_OK) {
-        result = girih_refinement_scene(&s->device, s->context, s->model.meshes, s->model.mesh_count, &s->scene,
-                                        error);
+        result = girih_refinement_scene(&s->device, s->context, s->model.meshes,
+                                        s->model.mesh_count, &s->scene, error);
     }
     return result;
 }
 
-static girih_result upload(session *s, girih_device_buffer *buffer, const void *bytes, VkDeviceSize size,
-                           VkBufferUsageFlags usage, girih_error *error) {
-    girih_result result = girih_device_buffer_create(
-        &s->device, buffer, size, usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, GIRIH_MEMORY_DEVICE, error);
-    return result == GIRIH_OK ? girih_device_write(&s->device, buffer->buffer, bytes, size, error) : result;
+static girih_result upload(session *s, girih_device_buffer *buffer, const void *bytes,
+                           VkDeviceSize size, VkBufferUsageFlags usage, girih_error *error) {
+    girih_result result = girih_device_buffer_create(&s->device, buffer, size,
+                                                     usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                                     GIRIH_MEMORY_DEVICE, error);
+    return result == GIRIH_OK ? girih_device_write(&s->device, buffer->buffer, bytes, size, error)
+                              : result;
 }
 
-static girih_result refine_on_cpu(session *s, uint32_t number, girih_surface surface, const girih_frame *frame,
-                                  girih_error *error) {
+static girih_result refine_on_cpu(session *s, uint32_t number, girih_surface surface,
+                                  const girih_frame *frame, girih_error *error) {
     girih_cpu_output *output = &s->outputs[number];
     girih_cpu_desc desc = {
         .catalogue = s->catalogue.catalogue,
@@ -241,13 +250,16 @@ static girih_result refine_on_cpu(session *s, uint32_t number, girih_surface sur
     s->statistics = output->statistics;
     VkDeviceSize vertices = output->statistics.output_vertices;
     girih_device_buffer *buffers = s->buffers[number];
-    result = upload(s, &buffers[0], output->positions, vertices * 12, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, error);
+    result = upload(s, &buffers[0], output->positions, vertices * 12,
+                    VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, error);
     if (result == GIRIH_OK) {
-        result = upload(s, &buffers[1], output->attributes, vertices * 4 * (3 + output->attribute_floats),
+        result = upload(s, &buffers[1], output->attributes,
+                        vertices * 4 * (3 + output->attribute_floats),
                         VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, error);
     }
     if (result == GIRIH_OK) {
-        result = upload(s, &buffers[2], output->indices, (VkDeviceSize)output->statistics.output_triangles * 12,
+        result = upload(s, &buffers[2], output->indices,
+                        (VkDeviceSize)output->statistics.output_triangles * 12,
                         VK_BUFFER_USAGE_INDEX_BUFFER_BIT, error);
     }
     s->drawings[number].positions = buffers[0].buffer;
@@ -257,8 +269,8 @@ static girih_result refine_on_cpu(session *s, uint32_t number, girih_surface sur
     return result;
 }
 
-static girih_result refine_on_device(session *s, uint32_t number, girih_surface surface, const girih_frame *frame,
-                                     girih_error *error) {
+static girih_result refine_on_device(session *s, uint32_t number, girih_surface surface,
+                                     const girih_frame *frame, girih_error *error) {
     girih_refinement_desc desc = {
         .device = &s->device,
         .context = s->context,
@@ -275,10 +287,11 @@ static girih_result refine_on_device(session *s, uint32_t number, girih_surface 
     return result;
 }
 
-static girih_result add_drawing(session *s, girih_surface surface, const girih_frame *frame, uint32_t x,
-                                uint32_t width, girih_error *error) {
+static girih_result add_drawing(session *s, girih_surface surface, const girih_frame *frame,
+                                uint32_t x, uint32_t width, girih_error *error) {
     uint32_t number = s->drawing_count++;
-    s->drawings[number] = (girih_drawing){.mode = s->mode, .surface = surface, .x = x, .width = width};
+    s->drawings[number] =
+        (girih_drawing){.mode = s->mode, .surface = surface, .x = x, .width = width};
     return s->options->device.cpu ? refine_on_cpu(s, number, surface, frame, error)
                                   : refine_on_device(s, number, surface, frame, error);
 }
@@ -299,7 +312,8 @@ static girih_result add_drawings(session *s, girih_error *error) {
     }
     if (result == GIRIH_OK) {
         uint32_t x = options->beside_input ? width - half : 0;
-        result = add_drawing(s, options->surface.surface, &frame, x, options->beside_input ? half : width, error);
+        result = add_drawing(s, options->surface.surface, &frame, x,
+                             options->beside_input ? half : width, error);
     }
     return result;
 }
@@ -326,7 +340,8 @@ static girih_result draw(session *s, girih_error *error) {
     girih_report_progress("drawing");
     girih_result result = girih_renderer_create(&desc, &s->renderer, error);
     if (result == GIRIH_OK) {
-        result = girih_renderer_draw(s->renderer, s->drawings, s->drawing_count, rgba, &s->times.draw, error);
+        result = girih_renderer_draw(s->renderer, s->drawings, s->drawing_count, rgba,
+                                     &s->times.draw, error);
     }
     char message[sizeof error->message];
     if (result == GIRIH_OK &&
@@ -341,18 +356,19 @@ static girih_result draw(session *s, girih_error *error) {
 
 static girih_result make_picture(session *s, girih_error *error) {
     const render_options *options = s->options;
-    girih_result result = girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
+    girih_result result =
+        girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
     if (result == GIRIH_OK) {
-        result = girih_model_load(&s->model, options->model, GIRIH_MODEL_DRAW, options->surface.surface,
-                                  options->surface.crease_degrees, error);
+        result = girih_model_load(&s->model, options->model, GIRIH_MODEL_DRAW,
+                                  options->surface.surface, options->surface.crease_degrees, error);
     }
     if (result == GIRIH_OK) {
         result = girih_model_instances(&s->model, true, &s->instances, &s->instance_count, error);
     }
     if (result == GIRIH_OK) {
         uint32_t width = options->beside_input ? options->camera.width / 2 : options->camera.width;
-        result = girih_view_create(&s->view, &options->camera, &s->model, s->instances, s->instance_count, width,
-                                   options->camera.height, error);
+        result = girih_view_create(&s->view, &options->camera, &s->model, s->instances,
+                                   s->instance_count, width, options->camera.height, error);
     }
     if (result == GIRIH_OK) {
         result = open_device(s, error);
@@ -400,7 +416,8 @@ int girih_command_render(int argc, char **argv) {
     }
     int code = GIRIH_EXIT_DONE;
     if (options.json) {
-        code = girih_report_print(girih_report_json(device, girih_mode_name(s.mode), &s.statistics, &s.times));
+        code = girih_report_print(
+            girih_report_json(device, girih_mode_name(s.mode), &s.statistics, &s.times));
     } else {
         girih_report_text(device, girih_mode_name(s.mode), &s.statistics, &s.times);
     }

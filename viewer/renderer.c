@@ -26,7 +26,7 @@ struct girih_renderer {
     VkQueryPool queries;
 };
 
-// --- Attachments ---------------------------------------------------------------------------------------
+// --- Attachments ---
 
 static bool is_depth_attachment(const girih_device *device, VkFormat format) {
     VkFormatProperties properties;
@@ -34,8 +34,9 @@ static bool is_depth_attachment(const girih_device *device, VkFormat format) {
     return (properties.optimalTilingFeatures & VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT) != 0;
 }
 
-static girih_result create_attachment(const girih_renderer *renderer, girih_device_image *image, VkFormat format,
-                                      VkSampleCountFlagBits samples, VkImageUsageFlags usage, girih_error *error) {
+static girih_result create_attachment(const girih_renderer *renderer, girih_device_image *image,
+                                      VkFormat format, VkSampleCountFlagBits samples,
+                                      VkImageUsageFlags usage, girih_error *error) {
     VkImageCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
         .imageType = VK_IMAGE_TYPE_2D,
@@ -48,21 +49,26 @@ static girih_result create_attachment(const girih_renderer *renderer, girih_devi
         .usage = usage,
     };
     bool is_depth = (usage & VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT) != 0;
-    return girih_device_image_create(renderer->device, image, &info,
-                                     is_depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT, error);
+    return girih_device_image_create(
+        renderer->device, image, &info,
+        is_depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT, error);
 }
 
 static girih_result create_attachments(girih_renderer *renderer, girih_error *error) {
     const VkPhysicalDeviceLimits *limits = &renderer->device->properties.limits;
-    if (renderer->desc.width > limits->maxFramebufferWidth || renderer->desc.height > limits->maxFramebufferHeight ||
-        renderer->desc.width > limits->maxImageDimension2D || renderer->desc.height > limits->maxImageDimension2D ||
+    if (renderer->desc.width > limits->maxFramebufferWidth ||
+        renderer->desc.height > limits->maxFramebufferHeight ||
+        renderer->desc.width > limits->maxImageDimension2D ||
+        renderer->desc.height > limits->maxImageDimension2D ||
         renderer->desc.width > limits->maxViewportDimensions[0] ||
         renderer->desc.height > limits->maxViewportDimensions[1]) {
         return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
-                          "--resolution %u,%u: the device draws at most %u x %u pixels", renderer->desc.width,
-                          renderer->desc.height, limits->maxFramebufferWidth, limits->maxFramebufferHeight);
+                          "--resolution %u,%u: the device draws at most %u x %u pixels",
+                          renderer->desc.width, renderer->desc.height, limits->maxFramebufferWidth,
+                          limits->maxFramebufferHeight);
     }
-    VkSampleCountFlags samples = limits->framebufferColorSampleCounts & limits->framebufferDepthSampleCounts;
+    VkSampleCountFlags samples =
+        limits->framebufferColorSampleCounts & limits->framebufferDepthSampleCounts;
     renderer->pipelines.samples =
         (samples & VK_SAMPLE_COUNT_4_BIT) != 0 ? VK_SAMPLE_COUNT_4_BIT : VK_SAMPLE_COUNT_1_BIT;
     renderer->depth_format = is_depth_attachment(renderer->device, VK_FORMAT_D32_SFLOAT)
@@ -71,15 +77,17 @@ static girih_result create_attachments(girih_renderer *renderer, girih_error *er
     VkImageUsageFlags color = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     girih_result result = GIRIH_OK;
     if (renderer->pipelines.samples != VK_SAMPLE_COUNT_1_BIT) {
+        result = create_attachment(renderer, &renderer->color, color_format,
+                                   renderer->pipelines.samples, color, error);
+    }
+    if (result == GIRIH_OK) {
         result =
-            create_attachment(renderer, &renderer->color, color_format, renderer->pipelines.samples, color, error);
+            create_attachment(renderer, &renderer->resolved, color_format, VK_SAMPLE_COUNT_1_BIT,
+                              color | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, error);
     }
     if (result == GIRIH_OK) {
-        result = create_attachment(renderer, &renderer->resolved, color_format, VK_SAMPLE_COUNT_1_BIT,
-                                   color | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, error);
-    }
-    if (result == GIRIH_OK) {
-        result = create_attachment(renderer, &renderer->depth, renderer->depth_format, renderer->pipelines.samples,
+        result = create_attachment(renderer, &renderer->depth, renderer->depth_format,
+                                   renderer->pipelines.samples,
                                    VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, error);
     }
     return result;
@@ -124,11 +132,13 @@ static girih_result create_pass(girih_renderer *renderer, girih_error *error) {
     VkPipelineStageFlags drawing = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
                                    VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
                                    VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
-    VkAccessFlags written = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+    VkAccessFlags written =
+        VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
     VkSubpassDependency dependencies[2] = {
         {VK_SUBPASS_EXTERNAL, 0, drawing | VK_PIPELINE_STAGE_TRANSFER_BIT, drawing, written,
          written | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT, 0},
-        {0, VK_SUBPASS_EXTERNAL, drawing, VK_PIPELINE_STAGE_TRANSFER_BIT, written, VK_ACCESS_TRANSFER_READ_BIT, 0},
+        {0, VK_SUBPASS_EXTERNAL, drawing, VK_PIPELINE_STAGE_TRANSFER_BIT, written,
+         VK_ACCESS_TRANSFER_READ_BIT, 0},
     };
     VkRenderPassCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
@@ -139,7 +149,8 @@ static girih_result create_pass(girih_renderer *renderer, girih_error *error) {
         .dependencyCount = 2,
         .pDependencies = dependencies,
     };
-    VkResult result = vkCreateRenderPass(renderer->device->device, &info, NULL, &renderer->pipelines.pass);
+    VkResult result =
+        vkCreateRenderPass(renderer->device->device, &info, NULL, &renderer->pipelines.pass);
     if (result != VK_SUCCESS) {
         return girih_vulkan_failure(error, "vkCreateRenderPass", result);
     }
@@ -153,11 +164,13 @@ static girih_result create_pass(girih_renderer *renderer, girih_error *error) {
         .height = renderer->desc.height,
         .layers = 1,
     };
-    result = vkCreateFramebuffer(renderer->device->device, &framebuffer, NULL, &renderer->framebuffer);
-    return result == VK_SUCCESS ? GIRIH_OK : girih_vulkan_failure(error, "vkCreateFramebuffer", result);
+    result =
+        vkCreateFramebuffer(renderer->device->device, &framebuffer, NULL, &renderer->framebuffer);
+    return result == VK_SUCCESS ? GIRIH_OK
+                                : girih_vulkan_failure(error, "vkCreateFramebuffer", result);
 }
 
-// --- What the shaders read -------------------------------------------------------------------------------
+// --- What the shaders read ---
 
 // A colour of full value around the circle of hues, in [0, 1).
 static void hue_color(float hue, float saturation, float value, float color[4]) {
@@ -171,9 +184,10 @@ static void hue_color(float hue, float saturation, float value, float color[4]) 
     color[3] = 1.0f;
 }
 
-// Colours by range: ranges are numbered in the order of their base patterns, those with i > j > k take
-// two. Returns their number; colors may be NULL.
-static uint32_t fill_range_colors(const girih_catalogue *catalogue, girih_shade shade, float (*colors)[4]) {
+// Colours by range: ranges are numbered in the order of their base patterns, those with i > j > k
+// take two. Returns their number; colors may be NULL.
+static uint32_t fill_range_colors(const girih_catalogue *catalogue, girih_shade shade,
+                                  float (*colors)[4]) {
     uint32_t range = 0;
     for (uint32_t rank = 0; rank < catalogue->pattern_count; rank++) {
         const uint8_t *levels = girih_catalogue_pattern(catalogue, rank)->levels;
@@ -181,7 +195,8 @@ static uint32_t fill_range_colors(const girih_catalogue *catalogue, girih_shade 
         if (shade == GIRIH_SHADE_PATTERNS) {
             // Steps of the golden ratio keep neighbours in rank far apart in hue.
             float hue = (float)rank * 0.61803399f;
-            hue_color(hue - floorf(hue), 0.35f + 0.15f * (float)(rank % 4), 0.95f - 0.12f * (float)(rank % 3), color);
+            hue_color(hue - floorf(hue), 0.35f + 0.15f * (float)(rank % 4),
+                      0.95f - 0.12f * (float)(rank % 3), color);
         } else {
             float last = catalogue->level_count > 1 ? (float)(catalogue->level_count - 1) : 1.0f;
             hue_color(0.62f * (1.0f - (float)levels[0] / last), 0.7f, 0.95f, color);
@@ -207,13 +222,14 @@ static void combine(float to[4], const girih_view *view, float right, float up, 
 static girih_result fill_buffers(girih_renderer *renderer, girih_error *error) {
     const girih_renderer_desc *desc = &renderer->desc;
     uint32_t range_count = fill_range_colors(desc->catalogue, desc->shade, NULL);
-    girih_result result =
-        girih_device_buffer_create(renderer->device, &renderer->range_colors, (VkDeviceSize)range_count * 16,
-                                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, GIRIH_MEMORY_UPLOAD, error);
+    girih_result result = girih_device_buffer_create(
+        renderer->device, &renderer->range_colors, (VkDeviceSize)range_count * 16,
+        VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, GIRIH_MEMORY_UPLOAD, error);
     if (result == GIRIH_OK) {
         fill_range_colors(desc->catalogue, desc->shade, renderer->range_colors.mapped);
-        result = girih_device_buffer_create(renderer->device, &renderer->picture_block, sizeof(girih_picture_block),
-                                            VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, GIRIH_MEMORY_UPLOAD, error);
+        result = girih_device_buffer_create(
+            renderer->device, &renderer->picture_block, sizeof(girih_picture_block),
+            VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, GIRIH_MEMORY_UPLOAD, error);
     }
     if (result == GIRIH_OK) {
         girih_picture_block block = {
@@ -233,9 +249,9 @@ static girih_result fill_buffers(girih_renderer *renderer, girih_error *error) {
             block.back_face[3] = 1.0f;
         }
         memcpy(renderer->picture_block.mapped, &block, sizeof block);
-        result = girih_device_buffer_create(renderer->device, &renderer->readback,
-                                            (VkDeviceSize)desc->width * desc->height * 4,
-                                            VK_BUFFER_USAGE_TRANSFER_DST_BIT, GIRIH_MEMORY_READBACK, error);
+        result = girih_device_buffer_create(
+            renderer->device, &renderer->readback, (VkDeviceSize)desc->width * desc->height * 4,
+            VK_BUFFER_USAGE_TRANSFER_DST_BIT, GIRIH_MEMORY_READBACK, error);
     }
     return result;
 }
@@ -249,7 +265,8 @@ static girih_result create_layouts(girih_renderer *renderer, girih_error *error)
     };
     VkDescriptorSetLayoutBinding material = {0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1,
                                              VK_SHADER_STAGE_FRAGMENT_BIT, NULL};
-    VkDescriptorSetLayoutCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+    VkDescriptorSetLayoutCreateInfo info = {.sType =
+                                                VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
                                             .bindingCount = 2,
                                             .pBindings = picture};
     VkResult result = vkCreateDescriptorSetLayout(device, &info, NULL, &renderer->picture_layout);
@@ -261,7 +278,8 @@ static girih_result create_layouts(girih_renderer *renderer, girih_error *error)
     if (result != VK_SUCCESS) {
         return girih_vulkan_failure(error, "vkCreateDescriptorSetLayout", result);
     }
-    VkDescriptorSetLayout sets[3] = {renderer->picture_layout, renderer->material_layout, VK_NULL_HANDLE};
+    VkDescriptorSetLayout sets[3] = {renderer->picture_layout, renderer->material_layout,
+                                     VK_NULL_HANDLE};
     uint32_t set_count = 2;
     if (renderer->desc.context != NULL) {
         sets[set_count++] = girih_context_draw_set_layout(renderer->desc.context);
@@ -275,7 +293,8 @@ static girih_result create_layouts(girih_renderer *renderer, girih_error *error)
         .pPushConstantRanges = &push,
     };
     result = vkCreatePipelineLayout(device, &layout, NULL, &renderer->pipelines.layout);
-    return result == VK_SUCCESS ? GIRIH_OK : girih_vulkan_failure(error, "vkCreatePipelineLayout", result);
+    return result == VK_SUCCESS ? GIRIH_OK
+                                : girih_vulkan_failure(error, "vkCreatePipelineLayout", result);
 }
 
 static const girih_gltf_material *find_material(const girih_model *model, uint32_t material) {
@@ -326,14 +345,16 @@ static girih_result create_sets(girih_renderer *renderer, girih_error *error) {
     };
     for (uint32_t n = 0; n < 2; n++) {
         write.dstBinding = n;
-        write.descriptorType = n == 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        write.descriptorType =
+            n == 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
         write.pBufferInfo = &buffers[n];
         vkUpdateDescriptorSets(device, 1, &write, 0, NULL);
     }
     for (uint32_t n = 0; n < material_count; n++) {
         VkDescriptorImageInfo image;
-        girih_result found = girih_textures_find(&renderer->textures, renderer->device,
-                                                 find_material(renderer->desc.model, n), &image, error);
+        girih_result found =
+            girih_textures_find(&renderer->textures, renderer->device,
+                                find_material(renderer->desc.model, n), &image, error);
         if (found != GIRIH_OK) {
             return found;
         }
@@ -346,7 +367,8 @@ static girih_result create_sets(girih_renderer *renderer, girih_error *error) {
     return GIRIH_OK;
 }
 
-girih_result girih_renderer_create(const girih_renderer_desc *desc, girih_renderer **renderer, girih_error *error) {
+girih_result girih_renderer_create(const girih_renderer_desc *desc, girih_renderer **renderer,
+                                   girih_error *error) {
     girih_renderer *made = calloc(1, sizeof *made);
     if (made == NULL) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -357,7 +379,8 @@ girih_result girih_renderer_create(const girih_renderer_desc *desc, girih_render
     made->pipelines.attribute_floats = desc->model->attribute_floats;
     made->pipelines.texcoord_float = desc->model->texcoord_float;
     made->pipelines.color_float = desc->model->color_float;
-    girih_result result = girih_textures_create(&made->textures, made->device, desc->model->contents, error);
+    girih_result result =
+        girih_textures_create(&made->textures, made->device, desc->model->contents, error);
     if (result == GIRIH_OK) {
         result = create_attachments(made, error);
     }
@@ -408,7 +431,7 @@ void girih_renderer_destroy(girih_renderer *renderer) {
     free(renderer);
 }
 
-// --- Drawing ---------------------------------------------------------------------------------------------
+// --- Drawing ---
 
 static girih_material_block material_block(const girih_gltf_material *material) {
     girih_material_block block = {
@@ -429,15 +452,18 @@ static girih_material_block material_block(const girih_gltf_material *material) 
     // KHR_texture_transform: translation * rotation * scale.
     float c = cosf(material->texcoord_rotation);
     float s = sinf(material->texcoord_rotation);
-    float row0[3] = {c * material->texcoord_scale[0], s * material->texcoord_scale[1], material->texcoord_offset[0]};
-    float row1[3] = {-s * material->texcoord_scale[0], c * material->texcoord_scale[1], material->texcoord_offset[1]};
+    float row0[3] = {c * material->texcoord_scale[0], s * material->texcoord_scale[1],
+                     material->texcoord_offset[0]};
+    float row1[3] = {-s * material->texcoord_scale[0], c * material->texcoord_scale[1],
+                     material->texcoord_offset[1]};
     memcpy(block.texcoord_row0, row0, sizeof row0);
     memcpy(block.texcoord_row1, row1, sizeof row1);
     return block;
 }
 
-static girih_result draw_material(girih_renderer *renderer, const girih_drawing *drawing, uint32_t number,
-                                  VkCullModeFlags cull, bool line, girih_error *error) {
+static girih_result draw_material(girih_renderer *renderer, const girih_drawing *drawing,
+                                  uint32_t number, VkCullModeFlags cull, bool line,
+                                  girih_error *error) {
     bool shows_back_faces = renderer->desc.has_back_face_color && cull == VK_CULL_MODE_FRONT_BIT;
     const girih_model *model = renderer->desc.model;
     const girih_gltf_material *material = find_material(model, number);
@@ -454,19 +480,22 @@ static girih_result draw_material(girih_renderer *renderer, const girih_drawing 
         .behind = shows_back_faces,
     };
     VkPipeline pipeline;
-    girih_result result = girih_pipelines_get(&renderer->pipelines, &key, drawing->plan, &pipeline, error);
+    girih_result result =
+        girih_pipelines_get(&renderer->pipelines, &key, drawing->plan, &pipeline, error);
     if (result != GIRIH_OK) {
         return result;
     }
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
     VkDescriptorSet sets[2] = {renderer->picture_set, renderer->material_sets[number]};
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, renderer->pipelines.layout, GIRIH_SET_PICTURE,
-                            2, sets, 0, NULL);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, renderer->pipelines.layout,
+                            GIRIH_SET_PICTURE, 2, sets, 0, NULL);
     girih_material_block block = material_block(material);
     vkCmdPushConstants(commands, renderer->pipelines.layout,
-                       VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof block, &block);
+                       VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof block,
+                       &block);
     if (drawing->plan != NULL) {
-        girih_cmd_draw(drawing->plan, commands, number, renderer->pipelines.layout, GIRIH_SET_GIRIH);
+        girih_cmd_draw(drawing->plan, commands, number, renderer->pipelines.layout,
+                       GIRIH_SET_GIRIH);
         return GIRIH_OK;
     }
     uint32_t first = drawing->material_first[number];
@@ -481,8 +510,9 @@ static girih_result draw_material(girih_renderer *renderer, const girih_drawing 
 
 static void set_viewport(const girih_renderer *renderer, uint32_t x, uint32_t width) {
     // The height is negative, so that y points up as it does in glTF.
-    VkViewport viewport = {(float)x,     (float)renderer->desc.height,  (float)width,
-                           -(float)renderer->desc.height, 0.0f, 1.0f};
+    VkViewport viewport = {(float)x,     (float)renderer->desc.height,
+                           (float)width, -(float)renderer->desc.height,
+                           0.0f,         1.0f};
     VkRect2D scissor = {{(int32_t)x, 0}, {width, renderer->desc.height}};
     vkCmdSetViewport(renderer->device->commands, 0, 1, &viewport);
     vkCmdSetScissor(renderer->device->commands, 0, 1, &scissor);
@@ -490,20 +520,23 @@ static void set_viewport(const girih_renderer *renderer, uint32_t x, uint32_t wi
 
 // Opaque materials, then blended ones, each of these with its far side first; lines over all. Back
 // faces in a colour of their own are always a drawing of their own.
-static girih_result draw_materials(girih_renderer *renderer, const girih_drawing *drawing, girih_error *error) {
+static girih_result draw_materials(girih_renderer *renderer, const girih_drawing *drawing,
+                                   girih_error *error) {
     const girih_model *model = renderer->desc.model;
     girih_result result = GIRIH_OK;
     for (int layer = 0; layer < (renderer->desc.wireframe ? 3 : 2); layer++) {
         for (uint32_t n = 0; n < model->material_count && result == GIRIH_OK; n++) {
             const girih_gltf_material *material = find_material(model, n);
             bool is_blended = material != NULL && material->alpha_mode == GIRIH_GLTF_ALPHA_BLEND;
-            bool two_sided = renderer->desc.has_back_face_color || (material != NULL && material->double_sided);
+            bool two_sided =
+                renderer->desc.has_back_face_color || (material != NULL && material->double_sided);
             VkCullModeFlags cull = two_sided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT;
             if (layer == 2) {
                 result = draw_material(renderer, drawing, n, cull, true, error);
             } else if (layer == (is_blended ? 1 : 0)) {
                 if (two_sided && (is_blended || renderer->desc.has_back_face_color)) {
-                    result = draw_material(renderer, drawing, n, VK_CULL_MODE_FRONT_BIT, false, error);
+                    result =
+                        draw_material(renderer, drawing, n, VK_CULL_MODE_FRONT_BIT, false, error);
                     cull = VK_CULL_MODE_BACK_BIT;
                 }
                 if (result == GIRIH_OK) {
@@ -517,14 +550,15 @@ static girih_result draw_materials(girih_renderer *renderer, const girih_drawing
 
 static void draw_divider(const girih_renderer *renderer) {
     uint32_t width = renderer->desc.width >= 4 ? 2 : 1;
-    VkClearAttachment clear = {VK_IMAGE_ASPECT_COLOR_BIT, 0, {.color = {{0.25f, 0.26f, 0.28f, 1.0f}}}};
+    VkClearAttachment clear = {
+        VK_IMAGE_ASPECT_COLOR_BIT, 0, {.color = {{0.25f, 0.26f, 0.28f, 1.0f}}}};
     VkClearRect rect = {
         {{(int32_t)((renderer->desc.width - width) / 2), 0}, {width, renderer->desc.height}}, 0, 1};
     vkCmdClearAttachments(renderer->device->commands, 1, &clear, 1, &rect);
 }
 
-static girih_result record_pass(girih_renderer *renderer, const girih_drawing *drawings, uint32_t drawing_count,
-                                girih_error *error) {
+static girih_result record_pass(girih_renderer *renderer, const girih_drawing *drawings,
+                                uint32_t drawing_count, girih_error *error) {
     VkCommandBuffer commands = renderer->device->commands;
     VkPipeline background;
     girih_pipeline_key key = {.background = true};
@@ -561,13 +595,15 @@ static void record_readback(const girih_renderer *renderer) {
         .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
         .imageExtent = {renderer->desc.width, renderer->desc.height, 1},
     };
-    vkCmdCopyImageToBuffer(renderer->device->commands, renderer->resolved.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                           renderer->readback.buffer, 1, &copy);
+    vkCmdCopyImageToBuffer(renderer->device->commands, renderer->resolved.image,
+                           VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, renderer->readback.buffer, 1,
+                           &copy);
     girih_device_full_barrier(renderer->device->commands);
 }
 
-girih_result girih_renderer_draw(girih_renderer *renderer, const girih_drawing *drawings, uint32_t drawing_count,
-                                 uint8_t *rgba, double *milliseconds, girih_error *error) {
+girih_result girih_renderer_draw(girih_renderer *renderer, const girih_drawing *drawings,
+                                 uint32_t drawing_count, uint8_t *rgba, double *milliseconds,
+                                 girih_error *error) {
     girih_device *device = renderer->device;
     girih_result result = girih_device_begin(device, error);
     if (result != GIRIH_OK) {
@@ -575,18 +611,21 @@ girih_result girih_renderer_draw(girih_renderer *renderer, const girih_drawing *
     }
     if (renderer->queries != VK_NULL_HANDLE) {
         vkCmdResetQueryPool(device->commands, renderer->queries, 0, 2);
-        vkCmdWriteTimestamp(device->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, renderer->queries, 0);
+        vkCmdWriteTimestamp(device->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT,
+                            renderer->queries, 0);
     }
     result = record_pass(renderer, drawings, drawing_count, error);
     if (renderer->queries != VK_NULL_HANDLE) {
-        vkCmdWriteTimestamp(device->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, renderer->queries, 1);
+        vkCmdWriteTimestamp(device->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT,
+                            renderer->queries, 1);
     }
     record_readback(renderer);
     if (result == GIRIH_OK) {
         result = girih_device_finish(device, error);
     }
     if (result == GIRIH_OK) {
-        memcpy(rgba, renderer->readback.mapped, (size_t)renderer->desc.width * renderer->desc.height * 4);
+        memcpy(rgba, renderer->readback.mapped,
+               (size_t)renderer->desc.width * renderer->desc.height * 4);
         double times[2];
         *milliseconds =
             girih_device_read_queries(device, renderer->queries, 0, 2, times) ? times[1] : -1.0;

@@ -39,12 +39,14 @@ typedef struct girih_drawing {
 typedef struct girih_renderer girih_renderer;
 
 // On success *renderer is the caller's. desc is copied.
-girih_result girih_renderer_create(const girih_renderer_desc *desc, girih_renderer **renderer, girih_error *error);
+girih_result girih_renderer_create(const girih_renderer_desc *desc, girih_renderer **renderer,
+                                   girih_error *error);
 void girih_renderer_destroy(girih_renderer *renderer); // takes NULL
 
-// Draws one picture of all drawings side by side and reads it into rgba, 4 * width * height bytes, top
-// row first. *milliseconds is the device's time for it, negative where it has no clock.
-girih_result girih_renderer_draw(girih_renderer *renderer, const girih_drawing *drawings, uint32_t drawing_count,
-                                 uint8_t *rgba, double *milliseconds, girih_error *error);
+// Draws one picture of all drawings side by side and reads it into rgba, 4 * width * height bytes,
+// top row first. *milliseconds is the device's time for it, negative where it has no clock.
+girih_result girih_renderer_draw(girih_renderer *renderer, const girih_drawing *drawings,
+                                 uint32_t drawing_count, uint8_t *rgba, double *milliseconds,
+                                 girih_error *error);
 
 #endif

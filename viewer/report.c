@@ -58,26 +58,26 @@ static json_t *milliseconds(double time) {
 
 json_t *girih_report_json(const char *device, const char *mode, const girih_statistics *statistics,
                           const girih_stage_times *times) {
-    return json_pack("{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:{s:o, s:o, s:o, s:o, s:o, s:o}, s:o}",
-                     "device", device, "mode", mode,
-                     "input_triangles", (json_int_t)statistics->input_triangles,
-                     "culled_triangles", (json_int_t)statistics->culled_triangles,
-                     "clamped_edges", (json_int_t)statistics->clamped_edges,
-                     "output_triangles", (json_int_t)statistics->output_triangles,
-                     "output_vertices", (json_int_t)statistics->output_vertices,
-                     "groups", (json_int_t)statistics->groups,
-                     "base_patterns", (json_int_t)statistics->base_patterns,
-                     "time_ms", "levels", milliseconds(times->levels), "select", milliseconds(times->select),
-                     "group", milliseconds(times->group), "dispatch", milliseconds(times->dispatch),
-                     "evaluate", milliseconds(times->evaluate), "draw", milliseconds(times->draw),
-                     "wall_ms", milliseconds(times->wall));
+    return json_pack(
+        "{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:{s:o, s:o, s:o, s:o, s:o, s:o}, s:o}",
+        "device", device, "mode", mode, "input_triangles", (json_int_t)statistics->input_triangles,
+        "culled_triangles", (json_int_t)statistics->culled_triangles, "clamped_edges",
+        (json_int_t)statistics->clamped_edges, "output_triangles",
+        (json_int_t)statistics->output_triangles, "output_vertices",
+        (json_int_t)statistics->output_vertices, "groups", (json_int_t)statistics->groups,
+        "base_patterns", (json_int_t)statistics->base_patterns, "time_ms", "levels",
+        milliseconds(times->levels), "select", milliseconds(times->select), "group",
+        milliseconds(times->group), "dispatch", milliseconds(times->dispatch), "evaluate",
+        milliseconds(times->evaluate), "draw", milliseconds(times->draw), "wall_ms",
+        milliseconds(times->wall));
 }
 
 void girih_report_text(const char *device, const char *mode, const girih_statistics *statistics,
                        const girih_stage_times *times) {
     girih_report_progress(NULL);
     fprintf(stderr, "%s, %s\n", device, mode);
-    fprintf(stderr, "%" PRIu64 " triangles in, %" PRIu64 " culled, %" PRIu64 " triangles out with %" PRIu64
+    fprintf(stderr,
+            "%" PRIu64 " triangles in, %" PRIu64 " culled, %" PRIu64 " triangles out with %" PRIu64
             " vertices, %u base patterns in %u groups\n",
             statistics->input_triangles, statistics->culled_triangles, statistics->output_triangles,
             statistics->output_vertices, statistics->base_patterns, statistics->groups);
@@ -86,8 +86,8 @@ void girih_report_text(const char *device, const char *mode, const girih_statist
                 statistics->clamped_edges);
     }
     if (times->levels >= 0.0) {
-        fprintf(stderr, "ms: levels %.2f, select %.2f, group %.2f, dispatch %.2f, evaluate %.2f", times->levels,
-                times->select, times->group, times->dispatch, times->evaluate);
+        fprintf(stderr, "ms: levels %.2f, select %.2f, group %.2f, dispatch %.2f, evaluate %.2f",
+                times->levels, times->select, times->group, times->dispatch, times->evaluate);
         if (times->draw >= 0.0) {
             fprintf(stderr, ", draw %.2f", times->draw);
         }
@@ -99,7 +99,8 @@ void girih_report_text(const char *device, const char *mode, const girih_statist
 
 int girih_report_print(json_t *root) {
     girih_report_progress(NULL);
-    int failed = root == NULL || json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) != 0 ||
+    int failed = root == NULL ||
+                 json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) != 0 ||
                  fputc('\n', stdout) == EOF || fflush(stdout) != 0;
     json_decref(root);
     return failed ? girih_report_failure(NULL, "cannot write the JSON report to standard output")

@@ -1,5 +1,6 @@
 #include "textures.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,8 +8,9 @@
 
 static const VkFormat texture_format = VK_FORMAT_R8G8B8A8_SRGB;
 
-static VkImageMemoryBarrier level_barrier(VkImage image, uint32_t level, uint32_t level_count, VkAccessFlags from,
-                                          VkAccessFlags to, VkImageLayout old_layout, VkImageLayout new_layout) {
+static VkImageMemoryBarrier level_barrier(VkImage image, uint32_t level, uint32_t level_count,
+                                          VkAccessFlags from, VkAccessFlags to,
+                                          VkImageLayout old_layout, VkImageLayout new_layout) {
     return (VkImageMemoryBarrier){
         .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
         .srcAccessMask = from,
@@ -23,20 +25,23 @@ static VkImageMemoryBarrier level_barrier(VkImage image, uint32_t level, uint32_
 }
 
 // Each level is the one before it, halved; in the end all are for shaders to read.
-static void record_levels(VkCommandBuffer commands, VkImage image, VkBuffer staging, uint32_t width, uint32_t height,
-                          uint32_t level_count) {
-    VkImageMemoryBarrier barrier = level_barrier(image, 0, level_count, 0, VK_ACCESS_TRANSFER_WRITE_BIT,
-                                                 VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, NULL, 0,
-                         NULL, 1, &barrier);
-    VkBufferImageCopy copy = {
-        .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1}, .imageExtent = {width, height, 1}};
-    vkCmdCopyBufferToImage(commands, staging, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+static void record_levels(VkCommandBuffer commands, VkImage image, VkBuffer staging, uint32_t width,
+                          uint32_t height, uint32_t level_count) {
+    VkImageMemoryBarrier barrier =
+        level_barrier(image, 0, level_count, 0, VK_ACCESS_TRANSFER_WRITE_BIT,
+                      VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT,
+                         VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, NULL, 0, NULL, 1, &barrier);
+    VkBufferImageCopy copy = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                              .imageExtent = {width, height, 1}};
+    vkCmdCopyBufferToImage(commands, staging, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                           &copy);
     for (uint32_t level = 0; level < level_count; level++) {
-        barrier = level_barrier(image, level, 1, VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_TRANSFER_READ_BIT,
-                                VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-        vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, NULL, 0,
-                             NULL, 1, &barrier);
+        barrier = level_barrier(image, level, 1, VK_ACCESS_TRANSFER_WRITE_BIT,
+                                VK_ACCESS_TRANSFER_READ_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                             VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, NULL, 0, NULL, 1, &barrier);
         if (level + 1 == level_count) {
             break;
         }
@@ -47,24 +52,28 @@ static void record_levels(VkCommandBuffer commands, VkImage image, VkBuffer stag
             .srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1},
             .srcOffsets = {{0, 0, 0}, {from_width, from_height, 1}},
             .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level + 1, 0, 1},
-            .dstOffsets = {{0, 0, 0}, {from_width > 1 ? from_width / 2 : 1, from_height > 1 ? from_height / 2 : 1, 1}},
+            .dstOffsets = {{0, 0, 0},
+                           {from_width > 1 ? from_width / 2 : 1,
+                            from_height > 1 ? from_height / 2 : 1, 1}},
         };
         vkCmdBlitImage(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image,
                        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_LINEAR);
     }
-    barrier = level_barrier(image, 0, level_count, VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_SHADER_READ_BIT,
-                            VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, 0, 0, NULL, 0,
-                         NULL, 1, &barrier);
+    barrier = level_barrier(image, 0, level_count, VK_ACCESS_TRANSFER_WRITE_BIT,
+                            VK_ACCESS_SHADER_READ_BIT, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                            VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                         VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, 0, 0, NULL, 0, NULL, 1, &barrier);
 }
 
-static girih_result create_texture(girih_device *device, girih_device_image *image, uint32_t width, uint32_t height,
-                                   const uint8_t *pixels, girih_error *error) {
+static girih_result create_texture(girih_device *device, girih_device_image *image, uint32_t width,
+                                   uint32_t height, const uint8_t *pixels, girih_error *error) {
     uint32_t limit = device->properties.limits.maxImageDimension2D;
     if (width > limit || height > limit) {
-        return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
-                          "a texture of %u x %u pixels is more than the %u the device takes: make it smaller", width,
-                          height, limit);
+        return girih_fail(
+            error, GIRIH_ERROR_TOO_LARGE,
+            "a texture of %u x %u pixels is more than the %u the device takes: make it smaller",
+            width, height, limit);
     }
     uint32_t level_count = 1;
     while ((width > height ? width : height) >> level_count != 0) {
@@ -79,14 +88,16 @@ static girih_result create_texture(girih_device *device, girih_device_image *ima
         .arrayLayers = 1,
         .samples = VK_SAMPLE_COUNT_1_BIT,
         .tiling = VK_IMAGE_TILING_OPTIMAL,
-        .usage =
-            VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+        .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                 VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
     };
     girih_device_buffer staging = {0};
-    girih_result result = girih_device_image_create(device, image, &info, VK_IMAGE_ASPECT_COLOR_BIT, error);
+    girih_result result =
+        girih_device_image_create(device, image, &info, VK_IMAGE_ASPECT_COLOR_BIT, error);
     if (result == GIRIH_OK) {
         result = girih_device_buffer_create(device, &staging, (VkDeviceSize)width * height * 4,
-                                            VK_BUFFER_USAGE_TRANSFER_SRC_BIT, GIRIH_MEMORY_UPLOAD, error);
+                                            VK_BUFFER_USAGE_TRANSFER_SRC_BIT, GIRIH_MEMORY_UPLOAD,
+                                            error);
     }
     if (result == GIRIH_OK) {
         memcpy(staging.mapped, pixels, (size_t)width * height * 4);
@@ -108,7 +119,8 @@ girih_result girih_textures_create(girih_textures *textures, girih_device *devic
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
     static const uint8_t white[4] = {255, 255, 255, 255};
-    girih_result result = create_texture(device, &textures->images[contents->image_count], 1, 1, white, error);
+    girih_result result =
+        create_texture(device, &textures->images[contents->image_count], 1, 1, white, error);
     for (uint32_t n = 0; n < contents->material_count && result == GIRIH_OK; n++) {
         int32_t number = contents->materials[n].base_color_image;
         if (number < 0 || textures->images[number].image != VK_NULL_HANDLE) {
@@ -116,8 +128,8 @@ girih_result girih_textures_create(girih_textures *textures, girih_device *devic
         }
         const girih_gltf_image *image = &contents->images[number];
         if (image->pixels != NULL && image->width != 0 && image->height != 0) {
-            result = create_texture(device, &textures->images[number], image->width, image->height, image->pixels,
-                                    error);
+            result = create_texture(device, &textures->images[number], image->width, image->height,
+                                    image->pixels, error);
         }
     }
     if (result != GIRIH_OK) {
@@ -154,7 +166,8 @@ girih_result girih_textures_find(girih_textures *textures, const girih_device *d
         image = (uint32_t)material->base_color_image;
     }
     VkSampler *sampler =
-        &textures->samplers[((uint32_t)material->wrap_s * 3 + (uint32_t)material->wrap_t) * 2 + material->nearest];
+        &textures->samplers[((uint32_t)material->wrap_s * 3 + (uint32_t)material->wrap_t) * 2 +
+                            material->nearest];
     if (*sampler == VK_NULL_HANDLE) {
         VkSamplerCreateInfo create = {
             .sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
@@ -164,6 +177,8 @@ girih_result girih_textures_find(girih_textures *textures, const girih_device *d
             .addressModeU = address_mode(material->wrap_s),
             .addressModeV = address_mode(material->wrap_t),
             .addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT,
+            .anisotropyEnable = device->features.samplerAnisotropy && !material->nearest,
+            .maxAnisotropy = fminf(8.0f, device->properties.limits.maxSamplerAnisotropy),
             .maxLod = VK_LOD_CLAMP_NONE,
         };
         VkResult result = vkCreateSampler(device->device, &create, NULL, sampler);
@@ -171,6 +186,7 @@ girih_result girih_textures_find(girih_textures *textures, const girih_device *d
             return girih_vulkan_failure(error, "vkCreateSampler", result);
         }
     }
-    *info = (VkDescriptorImageInfo){*sampler, textures->images[image].view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    *info = (VkDescriptorImageInfo){*sampler, textures->images[image].view,
+                                    VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     return GIRIH_OK;
 }

@@ -17,7 +17,8 @@ layout(location = 0) out vec4 out_color;
 const float PI = 3.14159265;
 
 vec3 from_srgb(vec3 color) {
-    return mix(color / 12.92, pow((color + 0.055) / 1.055, vec3(2.4)), greaterThan(color, vec3(0.04045)));
+    vec3 curve = pow((color + 0.055) / 1.055, vec3(2.4));
+    return mix(color / 12.92, curve, greaterThan(color, vec3(0.04045)));
 }
 
 // Light from all around, by direction.
@@ -53,7 +54,8 @@ vec3 light(vec3 diffuse, vec3 f0, float alpha, vec3 n, vec3 v, vec3 l, float str
     float n_l = max(dot(n, l), 0.0);
     float n_v = max(dot(n, v), 1e-3);
     vec3 h = normalize(l + v);
-    vec3 specular = fresnel(f0, max(dot(v, h), 0.0)) * specular_lobe(n_l, n_v, max(dot(n, h), 0.0), alpha);
+    float n_h = max(dot(n, h), 0.0);
+    vec3 specular = fresnel(f0, max(dot(v, h), 0.0)) * specular_lobe(n_l, n_v, n_h, alpha);
     return (diffuse / PI + specular) * (n_l * strength * PI);
 }
 
@@ -93,17 +95,16 @@ void main() {
         out_color = vec4(from_srgb(picture.back_face.rgb), 1.0);
         return;
     }
-    // A vertex without a normal has 0: the triangle's own serves.
-    vec3 n = dot(in_normal, in_normal) > 1e-12 ? normalize(in_normal)
-                                               : normalize(cross(dFdx(in_position), -dFdy(in_position)));
-    if (!gl_FrontFacing) {
-        n = -n;
+    // A vertex without a normal has 0: the triangle's own serves, towards the viewer on either side.
+    vec3 n = normalize(cross(dFdx(in_position), -dFdy(in_position)));
+    if (dot(in_normal, in_normal) > 1e-12) {
+        n = normalize(gl_FrontFacing ? in_normal : -in_normal);
     }
     if (picture.shade == SHADE_NORMALS) {
         out_color = vec4(from_srgb(n * 0.5 + 0.5), alpha);
         return;
     }
-    vec3 v = picture.eye.w != 0.0 ? normalize(picture.eye.xyz - in_position) : normalize(picture.eye.xyz);
+    vec3 v = normalize(picture.eye.xyz - picture.eye.w * in_position);
     vec3 albedo = base.rgb;
     float metallic = material.metallic;
     float roughness = material.roughness;

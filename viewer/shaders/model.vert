@@ -37,12 +37,15 @@ void main() {
 #if GIRIH_MODE == 0
 #ifdef GIRIH_SET
     if (HAS_TEXCOORD) {
-        out_texcoord.x = girih_attribute(point, picture.texcoord_float, picture.attribute_floats);
-        out_texcoord.y = girih_attribute(point, picture.texcoord_float + 1u, picture.attribute_floats);
+        for (uint n = 0u; n < 2u; ++n) {
+            out_texcoord[n] = girih_attribute(point, picture.texcoord_float + n,
+                                              picture.attribute_floats);
+        }
     }
     if (HAS_COLOR) {
         for (uint n = 0u; n < 4u; ++n) {
-            out_color[n] = girih_attribute(point, picture.color_float + n, picture.attribute_floats);
+            out_color[n] = girih_attribute(point, picture.color_float + n,
+                                           picture.attribute_floats);
         }
     }
 #endif
