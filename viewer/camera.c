@@ -14,11 +14,15 @@ typedef struct points {
     uint32_t instance_count;
 } points;
 
-// How far points reach along four directions: max of dot(direction, point).
+// How far points reach along directions: max of dot(direction, point). Without any point, those of a
+// cube around the origin, so that there is something to look at.
 static void reach(const points *set, double directions[][3], uint32_t direction_count,
                   double *reaches) {
     for (uint32_t d = 0; d < direction_count; d++) {
-        reaches[d] = -INFINITY;
+        const double *direction = directions[d];
+        reaches[d] = set->instance_count > 0
+                         ? -INFINITY
+                         : fabs(direction[0]) + fabs(direction[1]) + fabs(direction[2]);
     }
     for (uint32_t n = 0; n < set->instance_count; n++) {
         const girih_mesh *mesh = set->model->meshes[set->instances[n].mesh];

@@ -401,8 +401,10 @@ void writer::write(const char *path) {
 
     char message[512];
     girih_output_file file;
+    // These messages begin with the path, and so will what a refusal becomes.
+    const std::size_t prefix = std::string(path).size() + 2;
     if (!girih_output_open(&file, path, message, sizeof message)) {
-        throw refusal(message);
+        throw refusal(std::string(message).substr(prefix));
     }
     std::fwrite(header.data(), 1, header.size(), file.stream);
     std::fwrite(text.data(), 1, text.size(), file.stream);

@@ -474,9 +474,11 @@ girih_result girih_model_instances(const girih_model *model, bool placed,
         return no_memory(error);
     }
     uint32_t count = 0;
+    bool collapsed = false;
     for (uint32_t n = 0; n < room; n++) {
         uint32_t mesh = placed ? model->mesh_number[model->contents->placements[n].mesh] : n;
         if (mesh == GIRIH_MODEL_NONE || model->meshes[mesh]->triangle_count == 0) {
+            collapsed = collapsed || mesh != GIRIH_MODEL_NONE;
             continue;
         }
         girih_instance *instance = &(*instances)[count++];
@@ -484,7 +486,7 @@ girih_result girih_model_instances(const girih_model *model, bool placed,
         memcpy(instance->transform, placed ? model->contents->placements[n].transform : identity,
                sizeof instance->transform);
     }
-    if (count == 0) {
+    if (count == 0 && !collapsed) {
         free(*instances);
         *instances = NULL;
         return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "no triangles%s",

@@ -52,6 +52,8 @@ void girih_model_free_meshes(girih_model *model);
 void girih_model_free(girih_model *model);
 
 // The instances of the file's placements; of every mesh once, untransformed, where placed is false.
+// Meshes whose triangles all have two corners at one point have none; where no other mesh is there,
+// *instance_count is 0. A model without any triangle is refused.
 // On success *instances is the caller's to free.
 girih_result girih_model_instances(const girih_model *model, bool placed,
                                    girih_instance **instances, uint32_t *instance_count,
