@@ -3,8 +3,8 @@
 # Usage: cli.sh GIRIH ASSETS_FOLDER
 set -uo pipefail
 
-girih=$1
-assets=$2
+girih=$(realpath -- "$1")
+assets=$(realpath -- "$2")
 folder=$(mktemp -d)
 trap 'rm -rf -- "$folder"' EXIT
 cd -- "$folder" || exit 1
