@@ -1,5 +1,5 @@
-// girih-bench: figures as ratios of alternating runs in one process. No absolute time is a fact on a
-// shared machine.
+// girih-bench: figures as ratios of alternating runs in one process. No absolute time is a fact on
+// a shared machine.
 #include <argp.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,7 +46,8 @@ static error_t parse(int key, char *value, struct argp_state *state) {
         char *end;
         const long runs = strtol(value, &end, 10);
         if (*end || runs < 40 || runs > (long)STATISTICS_MOST) {
-            argp_error(state, "--runs %s: a number from 40 to %u is wanted", value, STATISTICS_MOST);
+            argp_error(state, "--runs %s: a number from 40 to %u is wanted", value,
+                       STATISTICS_MOST);
             return EINVAL;
         }
         a->pairs = (uint32_t)runs;
@@ -65,8 +66,10 @@ static void print_table(const json_t *report) {
     const json_t *item;
     printf("%s\n", json_string_value(json_object_get(report, "device")));
     json_array_foreach(json_object_get(report, "cases"), n, item) {
-        printf("\n%s: %" JSON_INTEGER_FORMAT " triangles in, %" JSON_INTEGER_FORMAT " out; ratio to static (95 %% interval)\n",
-               json_string_value(json_object_get(item, "name")), json_integer_value(json_object_get(item, "input_triangles")),
+        printf("\n%s: %" JSON_INTEGER_FORMAT " triangles in, %" JSON_INTEGER_FORMAT
+               " out; ratio to static (95 %% interval)\n",
+               json_string_value(json_object_get(item, "name")),
+               json_integer_value(json_object_get(item, "input_triangles")),
                json_integer_value(json_object_get(item, "output_triangles")));
         const char *name;
         json_t *figures;
@@ -74,19 +77,27 @@ static void print_table(const json_t *report) {
             const json_t *g = json_object_get(figures, "geometry");
             const json_t *s = json_object_get(figures, "shaded");
             printf("  %-16s geometry %6.2f (%.2f to %.2f), shaded %6.2f (%.2f to %.2f)\n", name,
-                   json_real_value(json_object_get(g, "ratio")), json_real_value(json_object_get(g, "ratio_low")),
-                   json_real_value(json_object_get(g, "ratio_high")), json_real_value(json_object_get(s, "ratio")),
-                   json_real_value(json_object_get(s, "ratio_low")), json_real_value(json_object_get(s, "ratio_high")));
+                   json_real_value(json_object_get(g, "ratio")),
+                   json_real_value(json_object_get(g, "ratio_low")),
+                   json_real_value(json_object_get(g, "ratio_high")),
+                   json_real_value(json_object_get(s, "ratio")),
+                   json_real_value(json_object_get(s, "ratio_low")),
+                   json_real_value(json_object_get(s, "ratio_high")));
         }
     }
 }
 
 int main(int argc, char **argv) {
     arguments a = {.pairs = 40};
-    static const struct argp argp = {options, parse, NULL,
-                                     "Measure girih against its rivals, as ratios of alternating runs in one process.\v"
-                                     "Examples:\n  girih-bench --json --case spheres\n  girih-bench --runs 100",
-                                     NULL, NULL, NULL};
+    static const struct argp argp = {
+        options,
+        parse,
+        NULL,
+        "Measure girih against its rivals, as ratios of alternating runs in one process.\v"
+        "Examples:\n  girih-bench --json --case spheres\n  girih-bench --runs 100",
+        NULL,
+        NULL,
+        NULL};
     argp_err_exit_status = 2;
     argp_parse(&argp, argc, argv, 0, NULL, &a);
     girih_device device;

@@ -1,5 +1,6 @@
-// Case `spheres`: few triangles refined far, many refined little; Curved PN, random dyadic levels that
-// change every frame, against the same triangles as one static, welded, cache-optimised indexed draw.
+// Case `spheres`: few triangles refined far, many refined little; Curved PN, random dyadic levels
+// that change every frame, against the same triangles as one static, welded, cache-optimised
+// indexed draw.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,10 +19,12 @@ typedef struct sphere_case {
     uint32_t max_level; // of the random levels
 } sphere_case;
 
-static const sphere_case cases[] = {
-    {"spheres 1,280 to level 5", 3, 5}, {"spheres 20,480 to level 3", 5, 3}, {"spheres 327,680 to level 1", 7, 1}};
+static const sphere_case cases[] = {{"spheres 1,280 to level 5", 3, 5},
+                                    {"spheres 20,480 to level 3", 5, 3},
+                                    {"spheres 327,680 to level 1", 7, 1}};
 
-// --- The input -----------------------------------------------------------------------------------------
+// --- The input
+// -----------------------------------------------------------------------------------------
 
 typedef struct sphere {
     float *positions; // of a unit sphere, so they are the normals too
@@ -31,14 +34,16 @@ typedef struct sphere {
 } sphere;
 
 static uint32_t sphere_vertex(sphere *s, const float p[3]) {
-    const double length = sqrt((double)p[0] * (double)p[0] + (double)p[1] * (double)p[1] + (double)p[2] * (double)p[2]);
+    const double length = sqrt((double)p[0] * (double)p[0] + (double)p[1] * (double)p[1] +
+                               (double)p[2] * (double)p[2]);
     for (int n = 0; n < 3; ++n) {
         s->positions[3 * s->vertex_count + (uint32_t)n] = (float)((double)p[n] / length);
     }
     return s->vertex_count++;
 }
 
-// Splits every triangle into four. Midpoints are found again through a chained table by the smaller vertex.
+// Splits every triangle into four. Midpoints are found again through a chained table by the smaller
+// vertex.
 static girih_result halve(sphere *s, girih_error *error) {
     const uint32_t triangles = s->index_count / 3;
     const uint32_t before = s->vertex_count;
@@ -79,8 +84,9 @@ static girih_result halve(sphere *s, girih_error *error) {
             }
             middle[e] = before + link;
         }
-        const uint32_t four[12] = {corner[0], middle[0], middle[2], middle[0], corner[1], middle[1],
-                                   middle[2], middle[1], corner[2], middle[0], middle[1], middle[2]};
+        const uint32_t four[12] = {corner[0], middle[0], middle[2], middle[0],
+                                   corner[1], middle[1], middle[2], middle[1],
+                                   corner[2], middle[0], middle[1], middle[2]};
         memcpy(fine.indices + 12 * (size_t)t, four, sizeof four);
     }
     free(heads);
@@ -93,11 +99,15 @@ static girih_result halve(sphere *s, girih_error *error) {
 
 static girih_result make_sphere(uint32_t halvings, const girih_mesh **mesh, girih_error *error) {
     static const float x = 0.525731112f, z = 0.850650808f;
-    static const float corners[12][3] = {{-x, 0, z}, {x, 0, z},  {-x, 0, -z}, {x, 0, -z}, {0, z, x},  {0, z, -x},
-                                         {0, -z, x}, {0, -z, -x}, {z, x, 0},  {-z, x, 0}, {z, -x, 0}, {-z, -x, 0}};
-    static const uint32_t faces[60] = {1, 4, 0, 4, 9, 0, 4, 5, 9, 8, 5, 4, 1, 8, 4, 1, 10, 8, 10, 3, 8, 8, 3, 5, 3, 2, 5, 3, 7, 2,
-                                       3, 10, 7, 10, 6, 7, 6, 11, 7, 6, 0, 11, 6, 1, 0, 10, 1, 6, 11, 0, 9, 2, 11, 9, 5, 2, 9, 11, 2, 7};
-    sphere s = {.positions = malloc(sizeof corners), .indices = malloc(sizeof faces), .index_count = 60};
+    static const float corners[12][3] = {{-x, 0, z}, {x, 0, z},  {-x, 0, -z}, {x, 0, -z},
+                                         {0, z, x},  {0, z, -x}, {0, -z, x},  {0, -z, -x},
+                                         {z, x, 0},  {-z, x, 0}, {z, -x, 0},  {-z, -x, 0}};
+    static const uint32_t faces[60] = {1,  4,  0, 4,  9, 0, 4, 5,  9, 8, 5, 4,  1,  8, 4,
+                                       1,  10, 8, 10, 3, 8, 8, 3,  5, 3, 2, 5,  3,  7, 2,
+                                       3,  10, 7, 10, 6, 7, 6, 11, 7, 6, 0, 11, 6,  1, 0,
+                                       10, 1,  6, 11, 0, 9, 2, 11, 9, 5, 2, 9,  11, 2, 7};
+    sphere s = {
+        .positions = malloc(sizeof corners), .indices = malloc(sizeof faces), .index_count = 60};
     girih_result result = GIRIH_OK;
     if (!s.positions || !s.indices) {
         result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -124,7 +134,8 @@ static girih_result make_sphere(uint32_t halvings, const girih_mesh **mesh, giri
     return result;
 }
 
-// --- The static mesh -------------------------------------------------------------------------------------
+// --- The static mesh
+// -------------------------------------------------------------------------------------
 
 typedef struct static_mesh {
     girih_device_buffer positions, normals, indices;
@@ -140,8 +151,10 @@ static void draw_static(void *state, VkCommandBuffer commands) {
     vkCmdDrawIndexed(commands, mesh->index_count, 1, 0, 0, 0);
 }
 
-// The refined mesh of one frame, made by the CPU twin, welded, in vertex cache and vertex fetch order.
-static girih_result make_static(girih_device *device, const girih_mesh *mesh, const girih_frame *frame, static_mesh *out,
+// The refined mesh of one frame, made by the CPU twin, welded, in vertex cache and vertex fetch
+// order.
+static girih_result make_static(girih_device *device, const girih_mesh *mesh,
+                                const girih_frame *frame, static_mesh *out,
                                 girih_statistics *statistics, girih_error *error) {
     const girih_instance instance = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
     const girih_cpu_desc desc = {.meshes = &mesh,
@@ -175,30 +188,36 @@ static girih_result make_static(girih_device *device, const girih_mesh *mesh, co
         const void *bytes;
         VkDeviceSize size;
         VkBufferUsageFlags usage;
-    } parts[3] = {{&out->positions, output.positions, vertices * 12, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT},
-                  {&out->normals, output.attributes, vertices * 12, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT},
-                  {&out->indices, output.indices, indices * 4, VK_BUFFER_USAGE_INDEX_BUFFER_BIT}};
+    } parts[3] = {
+        {&out->positions, output.positions, vertices * 12, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT},
+        {&out->normals, output.attributes, vertices * 12, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT},
+        {&out->indices, output.indices, indices * 4, VK_BUFFER_USAGE_INDEX_BUFFER_BIT}};
     for (int n = 0; n < 3 && result == GIRIH_OK; ++n) {
         result = girih_device_buffer_create(device, parts[n].buffer, parts[n].size,
-                                            parts[n].usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, GIRIH_MEMORY_DEVICE, error);
+                                            parts[n].usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                            GIRIH_MEMORY_DEVICE, error);
         if (result == GIRIH_OK) {
-            result = girih_device_write(device, parts[n].buffer->buffer, parts[n].bytes, parts[n].size, error);
+            result = girih_device_write(device, parts[n].buffer->buffer, parts[n].bytes,
+                                        parts[n].size, error);
         }
     }
     girih_cpu_output_free(&output);
     return result;
 }
 
-// --- girih -------------------------------------------------------------------------------------------------
+// --- girih
+// -------------------------------------------------------------------------------------------------
 
 typedef struct girih_state {
     girih_plan *plan;
     girih_frame frame;
 } girih_state;
 
-static girih_result prepare_girih(void *state, VkCommandBuffer commands, uint32_t frame, girih_error *error) {
+static girih_result prepare_girih(void *state, VkCommandBuffer commands, uint32_t frame,
+                                  girih_error *error) {
     girih_state *s = state;
-    // Odd frames are the static mesh's own levels; even ones others, so that levels change every frame.
+    // Odd frames are the static mesh's own levels; even ones others, so that levels change every
+    // frame.
     s->frame.seed = frame % 2 ? 1 : 2 + frame;
     return girih_cmd_refine(s->plan, commands, &s->frame, NULL, error);
 }
@@ -231,17 +250,18 @@ static void end_case(girih_device *device, case_state *s) {
     girih_mesh_destroy(s->mesh);
 }
 
-static girih_result make_plan(case_state *s, girih_mode mode, const girih_frame *frame, const girih_statistics *room,
-                              girih_state *out, girih_error *error) {
+static girih_result make_plan(case_state *s, girih_mode mode, const girih_frame *frame,
+                              const girih_statistics *room, girih_state *out, girih_error *error) {
     const girih_instance instance = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
     // A tenth more than the static mesh: levels of other seeds ask for a little more or less.
-    const girih_plan_desc desc = {.scene = s->scene,
-                                  .instances = &instance,
-                                  .instance_count = 1,
-                                  .surface = GIRIH_SURFACE_PN,
-                                  .mode = mode,
-                                  .max_vertices = (uint32_t)(4 * room->output_triangles),
-                                  .max_triangles = (uint32_t)(room->output_triangles + room->output_triangles / 10)};
+    const girih_plan_desc desc = {
+        .scene = s->scene,
+        .instances = &instance,
+        .instance_count = 1,
+        .surface = GIRIH_SURFACE_PN,
+        .mode = mode,
+        .max_vertices = (uint32_t)(4 * room->output_triangles),
+        .max_triangles = (uint32_t)(room->output_triangles + room->output_triangles / 10)};
     out->frame = *frame;
     return girih_plan_create(s->context, &desc, &out->plan, error);
 }
@@ -252,14 +272,16 @@ static girih_result upload(girih_device *device, case_state *s, girih_error *err
         girih_cmd_upload_context(s->context, device->commands);
         girih_cmd_upload_scene(s->scene, device->commands);
         // What the method `girih-unchanged` draws again and again.
-        result = girih_cmd_refine(s->unchanged.plan, device->commands, &s->unchanged.frame, NULL, error);
+        result =
+            girih_cmd_refine(s->unchanged.plan, device->commands, &s->unchanged.frame, NULL, error);
     }
     return result == GIRIH_OK ? girih_device_finish(device, error) : result;
 }
 
-static girih_result run_case(girih_device *device, const sphere_case *c, uint32_t pairs, case_state *s, json_t *list,
-                             girih_error *error) {
-    const girih_frame frame = {.rule = GIRIH_LEVEL_RANDOM_LEVEL, .segments = c->max_level, .seed = 1};
+static girih_result run_case(girih_device *device, const sphere_case *c, uint32_t pairs,
+                             case_state *s, json_t *list, girih_error *error) {
+    const girih_frame frame = {
+        .rule = GIRIH_LEVEL_RANDOM_LEVEL, .segments = c->max_level, .seed = 1};
     girih_statistics statistics = {0};
     girih_result result = make_sphere(c->halvings, &s->mesh, error);
     if (result == GIRIH_OK) {
@@ -271,11 +293,13 @@ static girih_result run_case(girih_device *device, const sphere_case *c, uint32_
     if (result == GIRIH_OK) {
         result = girih_scene_create(s->context, &s->mesh, 1, &s->scene, error);
     }
-    const bool can_instance = device->features.multiDrawIndirect && device->features.drawIndirectFirstInstance;
+    const bool can_instance =
+        device->features.multiDrawIndirect && device->features.drawIndirectFirstInstance;
     girih_state *const states[3] = {&s->baked, &s->unchanged, &s->instanced};
     const uint32_t state_count = can_instance ? 3 : 2;
     for (uint32_t n = 0; n < state_count && result == GIRIH_OK; ++n) {
-        result = make_plan(s, n == 2 ? GIRIH_MODE_INSTANCED : GIRIH_MODE_BAKED, &frame, &statistics, states[n], error);
+        result = make_plan(s, n == 2 ? GIRIH_MODE_INSTANCED : GIRIH_MODE_BAKED, &frame, &statistics,
+                           states[n], error);
     }
     if (result == GIRIH_OK) {
         result = upload(device, s, error);
@@ -284,12 +308,13 @@ static girih_result run_case(girih_device *device, const sphere_case *c, uint32_
         return result;
     }
     bench_method methods[4] = {
-        {"static", &s->rival, NULL, draw_static, girih_plan_vertex_input(s->baked.plan), girih_spirv_bench_baked,
-         sizeof girih_spirv_bench_baked},
-        {"girih", &s->baked, prepare_girih, draw_girih, girih_plan_vertex_input(s->baked.plan), girih_spirv_bench_baked,
-         sizeof girih_spirv_bench_baked},
-        {"girih-unchanged", &s->unchanged, NULL, draw_girih, girih_plan_vertex_input(s->unchanged.plan),
-         girih_spirv_bench_baked, sizeof girih_spirv_bench_baked}};
+        {"static", &s->rival, NULL, draw_static, girih_plan_vertex_input(s->baked.plan),
+         girih_spirv_bench_baked, sizeof girih_spirv_bench_baked},
+        {"girih", &s->baked, prepare_girih, draw_girih, girih_plan_vertex_input(s->baked.plan),
+         girih_spirv_bench_baked, sizeof girih_spirv_bench_baked},
+        {"girih-unchanged", &s->unchanged, NULL, draw_girih,
+         girih_plan_vertex_input(s->unchanged.plan), girih_spirv_bench_baked,
+         sizeof girih_spirv_bench_baked}};
     if (can_instance) {
         methods[3] = (bench_method){"girih-instanced",
                                     &s->instanced,
@@ -305,12 +330,14 @@ static girih_result run_case(girih_device *device, const sphere_case *c, uint32_
         result = bench_measure(s->target, methods, state_count + 1, pairs, figures, error);
     }
     if (result == GIRIH_OK && girih_plan_statistics(s->baked.plan).overflow) {
-        result = girih_fail(error, GIRIH_ERROR_TOO_LARGE, "%s: the frames did not fit their plan", c->name);
+        result = girih_fail(error, GIRIH_ERROR_TOO_LARGE, "%s: the frames did not fit their plan",
+                            c->name);
     }
     if (result == GIRIH_OK) {
-        json_array_append_new(list, json_pack("{s:s,s:I,s:I,s:o}", "name", c->name, "input_triangles",
-                                               (json_int_t)statistics.input_triangles, "output_triangles",
-                                               (json_int_t)statistics.output_triangles, "methods", figures));
+        json_array_append_new(
+            list, json_pack("{s:s,s:I,s:I,s:o}", "name", c->name, "input_triangles",
+                            (json_int_t)statistics.input_triangles, "output_triangles",
+                            (json_int_t)statistics.output_triangles, "methods", figures));
     } else {
         json_decref(figures);
     }

@@ -31,12 +31,13 @@ static girih_result create_images(bench_target *target, girih_error *error) {
                               .arrayLayers = 1,
                               .samples = VK_SAMPLE_COUNT_1_BIT,
                               .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT};
-    girih_result result =
-        girih_device_image_create(target->device, &target->color, &info, VK_IMAGE_ASPECT_COLOR_BIT, error);
+    girih_result result = girih_device_image_create(target->device, &target->color, &info,
+                                                    VK_IMAGE_ASPECT_COLOR_BIT, error);
     if (result == GIRIH_OK) {
         info.format = VK_FORMAT_D32_SFLOAT;
         info.usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
-        result = girih_device_image_create(target->device, &target->depth, &info, VK_IMAGE_ASPECT_DEPTH_BIT, error);
+        result = girih_device_image_create(target->device, &target->depth, &info,
+                                           VK_IMAGE_ASPECT_DEPTH_BIT, error);
     }
     return result;
 }
@@ -67,27 +68,33 @@ static girih_result create_pass(bench_target *target, girih_error *error) {
     VkResult result = vkCreateRenderPass(target->device->device, &pass, NULL, &target->pass);
     if (result == VK_SUCCESS) {
         const VkImageView views[2] = {target->color.view, target->depth.view};
-        const VkFramebufferCreateInfo framebuffer = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
+        const VkFramebufferCreateInfo framebuffer = {.sType =
+                                                         VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
                                                      .renderPass = target->pass,
                                                      .attachmentCount = 2,
                                                      .pAttachments = views,
                                                      .width = BENCH_PIXELS,
                                                      .height = BENCH_PIXELS,
                                                      .layers = 1};
-        result = vkCreateFramebuffer(target->device->device, &framebuffer, NULL, &target->framebuffer);
+        result =
+            vkCreateFramebuffer(target->device->device, &framebuffer, NULL, &target->framebuffer);
     }
     if (result == VK_SUCCESS) {
         const VkPushConstantRange camera = {.stageFlags = VK_SHADER_STAGE_VERTEX_BIT, .size = 64};
-        const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                                   .pushConstantRangeCount = 1,
-                                                   .pPushConstantRanges = &camera};
+        const VkPipelineLayoutCreateInfo layout = {
+            .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+            .pushConstantRangeCount = 1,
+            .pPushConstantRanges = &camera};
         result = vkCreatePipelineLayout(target->device->device, &layout, NULL, &target->layout);
     }
-    return result == VK_SUCCESS ? GIRIH_OK : girih_vulkan_failure(error, "creating the bench's render pass", result);
+    return result == VK_SUCCESS
+               ? GIRIH_OK
+               : girih_vulkan_failure(error, "creating the bench's render pass", result);
 }
 
-static VkResult create_pipeline(bench_target *target, const bench_method *method, bench_raster raster,
-                                VkShaderModule vertex, VkShaderModule fragment, VkPipeline *pipeline) {
+static VkResult create_pipeline(bench_target *target, const bench_method *method,
+                                bench_raster raster, VkShaderModule vertex, VkShaderModule fragment,
+                                VkPipeline *pipeline) {
     const VkPipelineShaderStageCreateInfo stages[2] = {
         {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
          .stage = VK_SHADER_STAGE_VERTEX_BIT,
@@ -98,20 +105,23 @@ static VkResult create_pipeline(bench_target *target, const bench_method *method
          .module = fragment,
          .pName = "main"}};
     const VkPipelineInputAssemblyStateCreateInfo assembly = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO, .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
     const VkViewport viewport = {.width = BENCH_PIXELS, .height = BENCH_PIXELS, .maxDepth = 1};
     const VkRect2D scissor = {.extent = {BENCH_PIXELS, BENCH_PIXELS}};
-    const VkPipelineViewportStateCreateInfo view = {.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-                                                    .viewportCount = 1,
-                                                    .pViewports = &viewport,
-                                                    .scissorCount = 1,
-                                                    .pScissors = &scissor};
+    const VkPipelineViewportStateCreateInfo view = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+        .viewportCount = 1,
+        .pViewports = &viewport,
+        .scissorCount = 1,
+        .pScissors = &scissor};
     const VkPipelineRasterizationStateCreateInfo rasterization = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
         .rasterizerDiscardEnable = raster == BENCH_GEOMETRY,
         .lineWidth = 1};
     const VkPipelineMultisampleStateCreateInfo multisample = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO, .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
     const VkPipelineDepthStencilStateCreateInfo depth = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = VK_TRUE,
@@ -119,8 +129,11 @@ static VkResult create_pipeline(bench_target *target, const bench_method *method
         .depthCompareOp = VK_COMPARE_OP_LESS};
     const VkPipelineColorBlendAttachmentState blend = {.colorWriteMask = 0xf};
     const VkPipelineColorBlendStateCreateInfo blending = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = 1, .pAttachments = &blend};
-    const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+        .attachmentCount = 1,
+        .pAttachments = &blend};
+    const VkGraphicsPipelineCreateInfo info = {.sType =
+                                                   VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                                .stageCount = raster == BENCH_GEOMETRY ? 1 : 2,
                                                .pStages = stages,
                                                .pVertexInputState = method->vertex_input,
@@ -132,17 +145,19 @@ static VkResult create_pipeline(bench_target *target, const bench_method *method
                                                .pColorBlendState = &blending,
                                                .layout = target->layout,
                                                .renderPass = target->pass};
-    return vkCreateGraphicsPipelines(target->device->device, VK_NULL_HANDLE, 1, &info, NULL, pipeline);
+    return vkCreateGraphicsPipelines(target->device->device, VK_NULL_HANDLE, 1, &info, NULL,
+                                     pipeline);
 }
 
-static VkResult create_module(const girih_device *device, const uint32_t *words, size_t bytes, VkShaderModule *module) {
+static VkResult create_module(const girih_device *device, const uint32_t *words, size_t bytes,
+                              VkShaderModule *module) {
     const VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = bytes, .pCode = words};
     return vkCreateShaderModule(device->device, &info, NULL, module);
 }
 
-girih_result bench_target_create(girih_device *device, const bench_method *methods, uint32_t method_count,
-                                 bench_target **out, girih_error *error) {
+girih_result bench_target_create(girih_device *device, const bench_method *methods,
+                                 uint32_t method_count, bench_target **out, girih_error *error) {
     bench_target *target = calloc(1, sizeof *target);
     if (!target || method_count > MOST_METHODS) {
         free(target);
@@ -158,13 +173,16 @@ girih_result bench_target_create(girih_device *device, const bench_method *metho
     VkShaderModule fragment = VK_NULL_HANDLE;
     VkResult created = VK_SUCCESS;
     if (result == GIRIH_OK) {
-        created = create_module(device, girih_spirv_bench_fragment, sizeof girih_spirv_bench_fragment, &fragment);
+        created = create_module(device, girih_spirv_bench_fragment,
+                                sizeof girih_spirv_bench_fragment, &fragment);
     }
     for (uint32_t n = 0; n < method_count && result == GIRIH_OK && created == VK_SUCCESS; ++n) {
         VkShaderModule vertex = VK_NULL_HANDLE;
-        created = create_module(device, methods[n].vertex_shader, methods[n].vertex_shader_bytes, &vertex);
+        created = create_module(device, methods[n].vertex_shader, methods[n].vertex_shader_bytes,
+                                &vertex);
         for (uint32_t raster = 0; raster < 2 && created == VK_SUCCESS; ++raster) {
-            created = create_pipeline(target, &methods[n], raster, vertex, fragment, &target->pipelines[n][raster]);
+            created = create_pipeline(target, &methods[n], raster, vertex, fragment,
+                                      &target->pipelines[n][raster]);
         }
         vkDestroyShaderModule(device->device, vertex, NULL);
     }
@@ -203,8 +221,8 @@ static double now(void) {
     return (double)time.tv_sec * 1e3 + (double)time.tv_nsec * 1e-6;
 }
 
-girih_result bench_frame(bench_target *target, uint32_t method, bench_raster raster, uint32_t frame, double *milliseconds,
-                         girih_error *error) {
+girih_result bench_frame(bench_target *target, uint32_t method, bench_raster raster, uint32_t frame,
+                         double *milliseconds, girih_error *error) {
     const bench_method *m = &target->methods[method];
     const double begin = now();
     girih_result result = girih_device_begin(target->device, error);
@@ -218,7 +236,8 @@ girih_result bench_frame(bench_target *target, uint32_t method, bench_raster ras
             return result;
         }
     }
-    const VkClearValue clears[2] = {{.color = {.float32 = {0, 0, 0, 1}}}, {.depthStencil = {.depth = 1}}};
+    const VkClearValue clears[2] = {{.color = {.float32 = {0, 0, 0, 1}}},
+                                    {.depthStencil = {.depth = 1}}};
     const VkRenderPassBeginInfo pass = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                         .renderPass = target->pass,
                                         .framebuffer = target->framebuffer,
@@ -226,10 +245,12 @@ girih_result bench_frame(bench_target *target, uint32_t method, bench_raster ras
                                         .clearValueCount = 2,
                                         .pClearValues = clears};
     // A unit sphere seen whole: orthographic, looking along -z.
-    static const float camera[4][4] = {{0.9f, 0, 0, 0}, {0, -0.9f, 0, 0}, {0, 0, -0.4f, 0.5f}, {0, 0, 0, 1}};
+    static const float camera[4][4] = {
+        {0.9f, 0, 0, 0}, {0, -0.9f, 0, 0}, {0, 0, -0.4f, 0.5f}, {0, 0, 0, 1}};
     vkCmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, target->pipelines[method][raster]);
-    vkCmdPushConstants(commands, target->layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof camera, camera);
+    vkCmdPushConstants(commands, target->layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof camera,
+                       camera);
     m->draw(m->state, commands);
     vkCmdEndRenderPass(commands);
     result = girih_device_finish(target->device, error);
@@ -248,12 +269,13 @@ static json_t *figures(const double *own, const double *base, uint32_t pairs) {
         ratios[n] = own[n] / base[n];
     }
     statistics_interval(ratios, pairs, &low, &high);
-    return json_pack("{s:f,s:f,s:f,s:f,s:f,s:f}", "median_ms", median, "min_ms", sorted[0], "max_ms", sorted[pairs - 1],
-                     "ratio", statistics_median(ratios, pairs), "ratio_low", low, "ratio_high", high);
+    return json_pack("{s:f,s:f,s:f,s:f,s:f,s:f}", "median_ms", median, "min_ms", sorted[0],
+                     "max_ms", sorted[pairs - 1], "ratio", statistics_median(ratios, pairs),
+                     "ratio_low", low, "ratio_high", high);
 }
 
-girih_result bench_measure(bench_target *target, const bench_method *list, uint32_t method_count, uint32_t pairs,
-                           json_t *methods, girih_error *error) {
+girih_result bench_measure(bench_target *target, const bench_method *list, uint32_t method_count,
+                           uint32_t pairs, json_t *methods, girih_error *error) {
     static double own[STATISTICS_MOST];
     static double base[STATISTICS_MOST];
     static const char *const names[2] = {"geometry", "shaded"};

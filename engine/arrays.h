@@ -1,5 +1,6 @@
-// The arrays of glsl/shared.h on the CPU: packed here once, uploaded for the GPU, and worked on as they
-// are by the CPU twins. One layout for both is what lets a test compare any stage word by word.
+// The arrays of glsl/shared.h on the CPU: packed here once, uploaded for the GPU, and worked on as
+// they are by the CPU twins. One layout for both is what lets a test compare any stage word by
+// word.
 #ifndef GIRIH_ENGINE_ARRAYS_H
 #define GIRIH_ENGINE_ARRAYS_H
 
@@ -30,12 +31,14 @@ typedef struct girih_arrays {
 // Frees the words of the bindings from first up to, not including, end; their counts stay.
 void girih_arrays_free(girih_arrays *arrays, uint32_t first, uint32_t end);
 
-// Fills the catalogue's arrays (PATTERNS, PATTERN_VERTICES, PATTERN_INDICES), and the frame's level_count,
-// linear_spacing, pattern_count, range_count and index_bytes. Ranges are numbered in the order of
-// their patterns' ranks, a mirrored one right after its forward one. The replicas' indices stand one
-// after another, replica r with r * vertex_count added; an index is 2 bytes unless a pattern of the
-// catalogue needs 4, then all are 4. A mirrored triangle (a, c, b) keeps its first corner.
-girih_result girih_pack_catalogue(girih_arrays *arrays, const girih_catalogue *catalogue, girih_error *error);
+// Fills the catalogue's arrays (PATTERNS, PATTERN_VERTICES, PATTERN_INDICES), and the frame's
+// level_count, linear_spacing, pattern_count, range_count and index_bytes. Ranges are numbered in
+// the order of their patterns' ranks, a mirrored one right after its forward one. The replicas'
+// indices stand one after another, replica r with r * vertex_count added; an index is 2 bytes
+// unless a pattern of the catalogue needs 4, then all are 4. A mirrored triangle (a, c, b) keeps
+// its first corner.
+girih_result girih_pack_catalogue(girih_arrays *arrays, const girih_catalogue *catalogue,
+                                  girih_error *error);
 
 // Where a mesh's records begin in the scene's arrays.
 typedef struct girih_scene_mesh {
@@ -49,16 +52,17 @@ typedef struct girih_scene_mesh {
 typedef struct girih_scene_table {
     girih_scene_mesh *meshes;
     uint32_t mesh_count;
-    uint32_t material_count;   // the largest material and one; at least 1
+    uint32_t material_count; // the largest material and one; at least 1
     uint32_t attribute_floats;
-    uint32_t seam_count;       // of all meshes
+    uint32_t seam_count; // of all meshes
 } girih_scene_table;
 
 // Fills the scene's arrays (VERTICES to EDGE_WELD_EDGES) and the frame's material_count and
-// attribute_floats. Empty arrays get one word, so that each can be bound. On success the caller owns
-// table->meshes (girih_free).
-girih_result girih_pack_scene(girih_arrays *arrays, girih_scene_table *table, const girih_mesh *const *meshes,
-                              uint32_t mesh_count, girih_error *error);
+// attribute_floats. Empty arrays get one word, so that each can be bound. On success the caller
+// owns table->meshes (girih_free).
+girih_result girih_pack_scene(girih_arrays *arrays, girih_scene_table *table,
+                              const girih_mesh *const *meshes, uint32_t mesh_count,
+                              girih_error *error);
 
 // What a plan is made for, beside its instances.
 typedef struct girih_plan_shape {
@@ -69,21 +73,23 @@ typedef struct girih_plan_shape {
     int serial_sort;                      // chooses the size of the sort's blocks
 } girih_plan_shape;
 
-// Fills INSTANCES and BLOCKS and all of the frame's fields that neither the catalogue, the scene nor
-// girih_pack_frame fill, and sets count (leaving words NULL) of the plan's other arrays: LEVELS, KEYS,
-// ITEMS, ITEMS_SPARE, COUNTERS, GROUPS, STATUS, DRAWS, WELD_OFFSETS. Reads frame.range_count,
-// pattern_count, material_count. Counts beyond 2^30 triangles or edges, or 2^28 groups, are refused with
-// GIRIH_ERROR_TOO_LARGE. Raises shape->max_vertices and max_triangles to the level-0 output
-// (triangles: the instances' triangles; baked vertices: 3 a triangle; welded: the corners).
-girih_result girih_pack_plan(girih_arrays *arrays, girih_plan_shape *shape, const girih_scene_table *table,
-                             const girih_instance *instances, uint32_t instance_count, girih_error *error);
+// Fills INSTANCES and BLOCKS and all of the frame's fields that neither the catalogue, the scene
+// nor girih_pack_frame fill, and sets count (leaving words NULL) of the plan's other arrays:
+// LEVELS, KEYS, ITEMS, ITEMS_SPARE, COUNTERS, GROUPS, STATUS, DRAWS, WELD_OFFSETS. Reads
+// frame.range_count, pattern_count, material_count. Counts beyond 2^30 triangles or edges, or 2^28
+// groups, are refused with GIRIH_ERROR_TOO_LARGE. Raises shape->max_vertices and max_triangles to
+// the level-0 output (triangles: the instances' triangles; baked vertices: 3 a triangle; welded:
+// the corners).
+girih_result girih_pack_plan(girih_arrays *arrays, girih_plan_shape *shape,
+                             const girih_scene_table *table, const girih_instance *instances,
+                             uint32_t instance_count, girih_error *error);
 
-// The transform's words of one instance record: rows, the normal matrix (inverse transpose times the
-// absolute determinant, so that mirroring keeps normals outward), and the flags.
+// The transform's words of one instance record: rows, the normal matrix (inverse transpose times
+// the absolute determinant, so that mirroring keeps normals outward), and the flags.
 void girih_pack_transform(uint32_t *record, const float transform[12]);
 
-// Refuses a frame that cannot be meant (a length that is not positive, a NaN), and fills the frame's
-// planes, eye, rule and culling fields. Reads level_count and linear_spacing.
+// Refuses a frame that cannot be meant (a length that is not positive, a NaN), and fills the
+// frame's planes, eye, rule and culling fields. Reads level_count and linear_spacing.
 girih_result girih_pack_frame(girih_arrays *arrays, const girih_frame *frame, girih_error *error);
 
 // Passes of the sort, and how many bits of the group number each takes.
@@ -92,16 +98,20 @@ uint32_t girih_sort_passes(uint32_t group_count, uint32_t *bits);
 // The statistics in a STATUS array.
 girih_statistics girih_read_status(const girih_frame_block *frame, const uint32_t *status);
 
-// --- The CPU twins: each reads and writes the arrays as its shader does --------------------------------
+// --- The CPU twins: each reads and writes the arrays as its shader does
+// --------------------------------
 
 void girih_twin_levels(girih_arrays *arrays);
 void girih_twin_select(girih_arrays *arrays, girih_surface surface);
-// Sorts into ITEMS and writes the groups' bounds and STATUS_ITEMS; COUNTERS and ITEMS_SPARE are the shader's alone.
+// Sorts into ITEMS and writes the groups' bounds and STATUS_ITEMS; COUNTERS and ITEMS_SPARE are the
+// shader's alone.
 girih_result girih_twin_group(girih_arrays *arrays, girih_error *error);
-// The numbers of welded vertices inside shared edges: WELD_OFFSETS, STATUS_WELD_VERTICES. Part of output, before dispatch.
+// The numbers of welded vertices inside shared edges: WELD_OFFSETS, STATUS_WELD_VERTICES. Part of
+// output, before dispatch.
 void girih_twin_weld(girih_arrays *arrays);
 void girih_twin_dispatch(girih_arrays *arrays);
-// Writes OUT_POSITIONS and OUT_ATTRIBUTES (instanced: patches into OUT_ATTRIBUTES), all in one window.
+// Writes OUT_POSITIONS and OUT_ATTRIBUTES (instanced: patches into OUT_ATTRIBUTES), all in one
+// window.
 void girih_twin_evaluate(girih_arrays *arrays, girih_surface surface);
 // Writes the index lists whose bits are set in outputs, all in one window.
 void girih_twin_output(girih_arrays *arrays, uint32_t outputs);

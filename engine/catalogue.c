@@ -195,8 +195,8 @@ static girih_result check_tables(const girih_catalogue *catalogue, girih_error *
     return GIRIH_OK;
 }
 
-girih_result girih_catalogue_open(const void *bytes, size_t size,
-                                  const girih_catalogue **catalogue, girih_error *error) {
+girih_result girih_catalogue_open(const void *bytes, size_t size, const girih_catalogue **catalogue,
+                                  girih_error *error) {
     if (!bytes || !catalogue) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "catalogue: a null pointer");
     }

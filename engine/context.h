@@ -13,8 +13,7 @@
 #define GIRIH_SHADER_ID(NAME) GIRIH_SHADER_##NAME,
 enum {
 #include "shader_list.h"
-    GIRIH_SHADERS(GIRIH_SHADER_ID)
-    GIRIH_SHADER_COUNT
+    GIRIH_SHADERS(GIRIH_SHADER_ID) GIRIH_SHADER_COUNT
 };
 #undef GIRIH_SHADER_ID
 
@@ -41,11 +40,11 @@ struct girih_context {
     bool serial_sort;
     bool few_buffers;
 
-    girih_arrays catalogue;       // the catalogue's arrays and its part of the frame block
-    girih_buffer patterns;        // PATTERNS and PATTERN_VERTICES
-    girih_buffer indices;         // PATTERN_INDICES, alone: lavapipe ignores the bind offset of index
-                                  // buffers in indirect draws
-    girih_buffer staging;         // both, until the upload has been recorded and executed
+    girih_arrays catalogue; // the catalogue's arrays and its part of the frame block
+    girih_buffer patterns;  // PATTERNS and PATTERN_VERTICES
+    girih_buffer indices;   // PATTERN_INDICES, alone: lavapipe ignores the bind offset of index
+                            // buffers in indirect draws
+    girih_buffer staging;   // both, until the upload has been recorded and executed
     VkDeviceSize offset[GIRIH_BIND_COUNT]; // of each array in its buffer
 
     VkDescriptorSetLayout set_layout;
@@ -59,7 +58,7 @@ struct girih_context {
 struct girih_scene {
     const girih_context *context;
     girih_scene_table table;
-    girih_arrays arrays;          // counts and frame fields; the words are gone after the packing
+    girih_arrays arrays; // counts and frame fields; the words are gone after the packing
     girih_buffer buffer;
     girih_buffer staging;
     VkDeviceSize offset[GIRIH_BIND_COUNT];
@@ -75,71 +74,84 @@ struct girih_plan {
     girih_surface surface;
     girih_mode mode;
     uint32_t outputs;
-    uint32_t variant;             // GIRIH_VARIANT_*, without CULL and the rule
-    girih_arrays arrays;          // counts and frame; the words are gone after the packing
-    girih_buffer buffer;          // frame block and the plan's arrays
-    girih_buffer staging;         // INSTANCES and BLOCKS for upload, mapped
-    girih_buffer status;          // what the host reads, mapped
+    uint32_t variant;     // GIRIH_VARIANT_*, without CULL and the rule
+    girih_arrays arrays;  // counts and frame; the words are gone after the packing
+    girih_buffer buffer;  // frame block and the plan's arrays
+    girih_buffer staging; // INSTANCES and BLOCKS for upload, mapped
+    girih_buffer status;  // what the host reads, mapped
     girih_buffer positions, attributes, index_list, closed_list, sources;
     VkDeviceSize offset[GIRIH_BIND_COUNT];
     VkDeviceSize frame_offset;
-    bool uploaded;                // INSTANCES and BLOCKS are on the device
-    bool moved;                   // INSTANCES changed since
 
-    // Outputs beyond maxStorageBufferRange are written window by window, each with descriptors of its own.
-    uint32_t vertex_window, vertex_windows;     // vertices (instanced: patches) to a window, and how many
+    // Outputs beyond maxStorageBufferRange are written window by window, each with descriptors of
+    // its own.
+    uint32_t vertex_window,
+        vertex_windows; // vertices (instanced: patches) to a window, and how many
     uint32_t triangle_window, triangle_windows;
-    uint32_t window_count;                       // the larger of both
+    uint32_t window_count; // the larger of both
     VkDescriptorPool pool;
-    VkDescriptorSet *sets;                       // [window_count], few buffers: [4][window_count]: vertices, then each list
+    VkDescriptorSet
+        *sets; // [window_count], few buffers: [4][window_count]: vertices, then each list
 
     VkVertexInputBindingDescription bindings[2];
     VkVertexInputAttributeDescription vertex_attributes[14];
     VkPipelineVertexInputStateCreateInfo vertex_input;
 };
 
-// --- buffer.c --------------------------------------------------------------------------------------
+// --- buffer.c
+// --------------------------------------------------------------------------------------
 
 // Creates a buffer with memory of its own. host: mapped, coherent, cached where there is a choice.
-girih_result girih_buffer_create(const girih_context *context, VkDeviceSize size, VkBufferUsageFlags usage, bool host,
-                                 const char *what, girih_buffer *buffer, girih_error *error);
+girih_result girih_buffer_create(const girih_context *context, VkDeviceSize size,
+                                 VkBufferUsageFlags usage, bool host, const char *what,
+                                 girih_buffer *buffer, girih_error *error);
 void girih_buffer_destroy(const girih_context *context, girih_buffer *buffer);
 
-// Lays the arrays of the bindings [first, end) out one after another from *size on: offset[] and *size.
-void girih_layout_arrays(const girih_arrays *arrays, uint32_t first, uint32_t end, VkDeviceSize offset[GIRIH_BIND_COUNT],
-                         VkDeviceSize *size);
+// Lays the arrays of the bindings [first, end) out one after another from *size on: offset[] and
+// *size.
+void girih_layout_arrays(const girih_arrays *arrays, uint32_t first, uint32_t end,
+                         VkDeviceSize offset[GIRIH_BIND_COUNT], VkDeviceSize *size);
 
-// Refuses arrays of the bindings [first, end) that a storage buffer cannot show; few buffers: all from the
-// buffer's begin on together, `size` bytes.
-girih_result girih_check_ranges(const girih_context *context, const girih_arrays *arrays, uint32_t first, uint32_t end,
-                                VkDeviceSize size, const char *what, girih_error *error);
+// Refuses arrays of the bindings [first, end) that a storage buffer cannot show; few buffers: all
+// from the buffer's begin on together, `size` bytes.
+girih_result girih_check_ranges(const girih_context *context, const girih_arrays *arrays,
+                                uint32_t first, uint32_t end, VkDeviceSize size, const char *what,
+                                girih_error *error);
 
-girih_result girih_vulkan_failed(girih_error *error, const char *call, const char *what, VkResult result);
+girih_result girih_vulkan_failed(girih_error *error, const char *call, const char *what,
+                                 VkResult result);
 
-// --- pipeline.c -------------------------------------------------------------------------------------
+// --- pipeline.c
+// -------------------------------------------------------------------------------------
 
 // Makes the pipeline of a shader's variant (GIRIH_VARIANT_*) if it is not there yet. Thread-safe.
-girih_result girih_pipeline_need(const girih_context *context, uint32_t shader, uint32_t variant, girih_error *error);
+girih_result girih_pipeline_need(const girih_context *context, uint32_t shader, uint32_t variant,
+                                 girih_error *error);
 
 // The pipeline of a variant that a plan has needed.
 VkPipeline girih_pipeline_get(const girih_context *context, uint32_t shader, uint32_t variant);
 
-// --- Recording: each stage's file records its own dispatches -----------------------------------------------
+// --- Recording: each stage's file records its own dispatches
+// -----------------------------------------------
 
-void girih_barrier(const girih_context *context, VkCommandBuffer commands, VkPipelineStageFlags from_stage,
-                   VkAccessFlags from_access, VkPipelineStageFlags to_stage, VkAccessFlags to_access);
+void girih_barrier(const girih_context *context, VkCommandBuffer commands,
+                   VkPipelineStageFlags from_stage, VkAccessFlags from_access,
+                   VkPipelineStageFlags to_stage, VkAccessFlags to_access);
 
 // Compute shader writes made visible to the next dispatch, its arguments included.
 void girih_compute_barrier(const girih_context *context, VkCommandBuffer commands);
 
 // Binds the plan's variant of a shader, with the bits of `further` added.
-void girih_bind_pipeline(const girih_plan *plan, VkCommandBuffer commands, uint32_t shader, uint32_t further);
+void girih_bind_pipeline(const girih_plan *plan, VkCommandBuffer commands, uint32_t shader,
+                         uint32_t further);
 // Binds descriptor set `set` of the plan's sets.
 void girih_bind_set(const girih_plan *plan, VkCommandBuffer commands, uint32_t set);
 void girih_push(const girih_plan *plan, VkCommandBuffer commands, const girih_push_block *push);
 
-// A dispatch of at least `invocations` invocations in workgroups of `size`, in two dimensions where one is too short.
-void girih_dispatch_invocations(const girih_plan *plan, VkCommandBuffer commands, uint64_t invocations, uint32_t size);
+// A dispatch of at least `invocations` invocations in workgroups of `size`, in two dimensions where
+// one is too short.
+void girih_dispatch_invocations(const girih_plan *plan, VkCommandBuffer commands,
+                                uint64_t invocations, uint32_t size);
 
 // A dispatch whose arguments dispatch.comp wrote (GIRIH_STATUS_EVALUATE).
 void girih_dispatch_items(const girih_plan *plan, VkCommandBuffer commands);

@@ -8,7 +8,8 @@ void girih_record_dispatch(const girih_plan *plan, VkCommandBuffer commands) {
     if (plan->mode != GIRIH_MODE_INSTANCED && frame->draws_per_material) {
         girih_compute_barrier(plan->context, commands);
         girih_bind_pipeline(plan, commands, GIRIH_SHADER_dispatch_draws, 0);
-        girih_dispatch_invocations(plan, commands, (uint64_t)frame->draws_per_material * frame->material_count,
+        girih_dispatch_invocations(plan, commands,
+                                   (uint64_t)frame->draws_per_material * frame->material_count,
                                    GIRIH_WORKGROUP);
     }
 }

@@ -9,6 +9,7 @@
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
-girih_result girih_fail(girih_error *error, girih_result result, const char *format, ...);
+girih_result
+girih_fail(girih_error *error, girih_result result, const char *format, ...);
 
 #endif

@@ -13,18 +13,26 @@ void girih_record_group(const girih_plan *plan, VkCommandBuffer commands) {
         const girih_push_block push = {.shift = pass * bits,
                                        .bins = 1u << bits,
                                        .first_pass = pass == 0,
-                                       .to_spare = (passes - 1 - pass) % 2}; // the last pass ends in ITEMS
+                                       .to_spare =
+                                           (passes - 1 - pass) % 2}; // the last pass ends in ITEMS
         girih_push(plan, commands, &push);
-        girih_bind_pipeline(plan, commands, serial ? GIRIH_SHADER_group_count_serial : GIRIH_SHADER_group_count_workgroup, 0);
+        girih_bind_pipeline(
+            plan, commands,
+            serial ? GIRIH_SHADER_group_count_serial : GIRIH_SHADER_group_count_workgroup, 0);
         girih_dispatch_invocations(plan, commands, block_invocations, block_size);
         girih_compute_barrier(context, commands);
-        girih_bind_pipeline(plan, commands, serial ? GIRIH_SHADER_group_blocks_serial : GIRIH_SHADER_group_blocks_workgroup, 0);
-        girih_dispatch_invocations(plan, commands, (uint64_t)push.bins * (serial ? 1 : 128), block_size);
+        girih_bind_pipeline(
+            plan, commands,
+            serial ? GIRIH_SHADER_group_blocks_serial : GIRIH_SHADER_group_blocks_workgroup, 0);
+        girih_dispatch_invocations(plan, commands, (uint64_t)push.bins * (serial ? 1 : 128),
+                                   block_size);
         girih_compute_barrier(context, commands);
         girih_bind_pipeline(plan, commands, GIRIH_SHADER_group_digits, 0);
         girih_dispatch_invocations(plan, commands, 1, 128);
         girih_compute_barrier(context, commands);
-        girih_bind_pipeline(plan, commands, serial ? GIRIH_SHADER_group_place_serial : GIRIH_SHADER_group_place_workgroup, 0);
+        girih_bind_pipeline(
+            plan, commands,
+            serial ? GIRIH_SHADER_group_place_serial : GIRIH_SHADER_group_place_workgroup, 0);
         girih_dispatch_invocations(plan, commands, block_invocations, block_size);
         girih_compute_barrier(context, commands);
     }

@@ -88,8 +88,7 @@ static girih_result check_indices(const girih_mesh_desc *desc, girih_error *erro
         }
         if (submesh->material >= GIRIH_MAX_MATERIALS) {
             return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
-                              NAMED "submesh %" PRIu32 ": material %" PRIu32
-                                    " must be below %u",
+                              NAMED "submesh %" PRIu32 ": material %" PRIu32 " must be below %u",
                               name_of(desc), number, submesh->material, GIRIH_MAX_MATERIALS);
         }
         triangles += submesh->index_count / 3;
@@ -375,8 +374,7 @@ girih_result girih_mesh_create(const girih_mesh_desc *desc, const girih_mesh **m
     }
     *mesh = NULL;
     if (!desc) {
-        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
-                          "girih_mesh_create: desc is null");
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "girih_mesh_create: desc is null");
     }
     girih_result (*const checks[])(const girih_mesh_desc *, girih_error *) = {
         check_pointers, check_indices, check_positions, check_normals_and_attributes};

@@ -12,11 +12,9 @@
 
 // Stores the unit vector along a vector longer than `least`, else 0.
 static void store_unit(const double vector[3], double least, float normal[3]) {
-    double length =
-        sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+    double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
     for (int axis = 0; axis < 3; ++axis) {
-        normal[axis] =
-            length > least ? girih_positive_zero((float)(vector[axis] / length)) : 0.0f;
+        normal[axis] = length > least ? girih_positive_zero((float)(vector[axis] / length)) : 0.0f;
     }
 }
 
@@ -177,8 +175,8 @@ static bool set_normals(girih_mesh_build *build, const uint32_t *corner_normals,
         if (!copies || !table) {
             goto cleanup;
         }
-        copy_count = split_corners(build, corner_normals, normals, vertex_normals, copies, table,
-                                   slots);
+        copy_count =
+            split_corners(build, corner_normals, normals, vertex_normals, copies, table, slots);
         if (!grow_vertices(build, kept + copy_count)) {
             goto cleanup;
         }

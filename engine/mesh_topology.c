@@ -100,9 +100,8 @@ bool girih_find_edges(girih_mesh_build *build) {
     uint32_t corner_count = 3 * mesh->triangle_count;
     const uint32_t *points = build->corner_points;
     build->triangle_edges = girih_allocate_array(corner_count, sizeof *build->triangle_edges);
-    if (!build->triangle_edges ||
-        !number_pairs(points, mesh->triangle_count, mesh->vertex_count, NULL,
-                      build->triangle_edges, &mesh->edge_count)) {
+    if (!build->triangle_edges || !number_pairs(points, mesh->triangle_count, mesh->vertex_count,
+                                                NULL, build->triangle_edges, &mesh->edge_count)) {
         return false;
     }
     build->edge_uses = girih_allocate_array(mesh->edge_count, sizeof *build->edge_uses);
@@ -245,8 +244,7 @@ bool girih_find_weld_edges(girih_mesh_build *build) {
         girih_allocate_array(mesh->triangle_count, sizeof *triangle_submeshes);
     build->triangle_weld_edges =
         girih_allocate_array(corner_count, sizeof *build->triangle_weld_edges);
-    build->edge_weld_edge =
-        girih_allocate_array(mesh->edge_count, sizeof *build->edge_weld_edge);
+    build->edge_weld_edge = girih_allocate_array(mesh->edge_count, sizeof *build->edge_weld_edge);
     if (!triangle_submeshes || !build->triangle_weld_edges || !build->edge_weld_edge) {
         goto cleanup;
     }

@@ -17,9 +17,11 @@ void girih_record_output(const girih_plan *plan, VkCommandBuffer commands) {
     if (plan->triangle_windows == 0) {
         return;
     }
-    const uint32_t wanted = plan->outputs & (GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_CLOSED_INDICES | GIRIH_OUTPUT_SOURCES);
+    const uint32_t wanted =
+        plan->outputs & (GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_CLOSED_INDICES | GIRIH_OUTPUT_SOURCES);
     girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_lists, 0);
-    // With few buffers the lists share one binding, so each has descriptors and a dispatch of its own.
+    // With few buffers the lists share one binding, so each has descriptors and a dispatch of its
+    // own.
     const uint32_t families = plan->context->few_buffers ? 3 : 1;
     for (uint32_t family = 0; family < families; ++family) {
         const uint32_t outputs = families == 1 ? wanted : wanted & 1u << family;
@@ -30,7 +32,8 @@ void girih_record_output(const girih_plan *plan, VkCommandBuffer commands) {
             const girih_push_block push = {.window_first = window * plan->triangle_window,
                                            .window_count = plan->triangle_window,
                                            .outputs = outputs};
-            girih_bind_set(plan, commands, families == 1 ? window : (1 + family) * plan->window_count + window);
+            girih_bind_set(plan, commands,
+                           families == 1 ? window : (1 + family) * plan->window_count + window);
             girih_push(plan, commands, &push);
             girih_dispatch_items(plan, commands);
         }

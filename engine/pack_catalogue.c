@@ -133,9 +133,9 @@ girih_result girih_pack_catalogue(girih_arrays *arrays, const girih_catalogue *c
                                       error);
     }
     if (result == GIRIH_OK) {
-        result = girih_allocate_words(arrays, GIRIH_BIND_PATTERN_INDICES,
-                                      girih_ceiling_quotient(sums.indices * sums.index_bytes, 4),
-                                      error);
+        result =
+            girih_allocate_words(arrays, GIRIH_BIND_PATTERN_INDICES,
+                                 girih_ceiling_quotient(sums.indices * sums.index_bytes, 4), error);
     }
     if (result != GIRIH_OK) {
         girih_arrays_free(arrays, GIRIH_BIND_PATTERNS, GIRIH_BIND_PATTERN_INDICES + 1);

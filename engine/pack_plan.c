@@ -240,8 +240,8 @@ static void choose_sort(girih_arrays *arrays, int serial_sort) {
     const uint64_t items = (uint64_t)frame->triangle_count * GIRIH_ITEM_WORDS;
     arrays->count[GIRIH_BIND_ITEMS] = at_least(items, 1);
     arrays->count[GIRIH_BIND_ITEMS_SPARE] = passes > 1 ? at_least(items, 1) : 1;
-    arrays->count[GIRIH_BIND_COUNTERS] = at_least(
-        ((uint64_t)frame->sort_block_count + 1) << bits, at_least(frame->scan_block_count, 1));
+    arrays->count[GIRIH_BIND_COUNTERS] = at_least(((uint64_t)frame->sort_block_count + 1) << bits,
+                                                  at_least(frame->scan_block_count, 1));
 }
 
 static girih_result choose_sizes(girih_arrays *arrays, girih_plan_shape *shape, const totals *sums,

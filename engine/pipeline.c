@@ -12,8 +12,9 @@ typedef struct shader_code {
 } shader_code;
 
 static const shader_code shaders[GIRIH_SHADER_COUNT][2] = {
-#define GIRIH_SHADER_CODE(NAME) \
-    {{girih_spirv_##NAME, sizeof girih_spirv_##NAME}, {girih_spirv_##NAME##_few, sizeof girih_spirv_##NAME##_few}},
+#define GIRIH_SHADER_CODE(NAME)                                                                    \
+    {{girih_spirv_##NAME, sizeof girih_spirv_##NAME},                                              \
+     {girih_spirv_##NAME##_few, sizeof girih_spirv_##NAME##_few}},
     GIRIH_SHADERS(GIRIH_SHADER_CODE)
 #undef GIRIH_SHADER_CODE
 };
@@ -30,7 +31,8 @@ static uint32_t variant_mask(uint32_t shader) {
     case GIRIH_SHADER_evaluate_patches_pn:
     case GIRIH_SHADER_evaluate_points_flat:
     case GIRIH_SHADER_evaluate_points_pn:
-        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES | GIRIH_VARIANT_WELDED;
+        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES |
+               GIRIH_VARIANT_WELDED;
     case GIRIH_SHADER_output_lists:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_WELDED;
     case GIRIH_SHADER_output_weld_blocks:
@@ -53,41 +55,49 @@ static uint32_t variant_slot(uint32_t variant, uint32_t mask) {
     return slot;
 }
 
-girih_result girih_pipeline_need(const girih_context *context, uint32_t shader, uint32_t variant, girih_error *error) {
+girih_result girih_pipeline_need(const girih_context *context, uint32_t shader, uint32_t variant,
+                                 girih_error *error) {
     const girih_functions *vk = &context->vk;
     const uint32_t bits = variant & variant_mask(shader);
     // The only part of a context that changes, and only from nothing to something.
-    _Atomic(VkPipeline) *slot = (_Atomic(VkPipeline) *)&context->pipelines[shader][variant_slot(bits, variant_mask(shader))];
+    _Atomic(VkPipeline) *slot = (_Atomic(VkPipeline) *)&context
+                                    ->pipelines[shader][variant_slot(bits, variant_mask(shader))];
     if (atomic_load(slot)) {
         return GIRIH_OK;
     }
     const shader_code code = shaders[shader][context->few_buffers];
-    const VkShaderModuleCreateInfo module_info = {
-        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code.bytes, .pCode = code.words};
+    const VkShaderModuleCreateInfo module_info = {.sType =
+                                                      VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                                  .codeSize = code.bytes,
+                                                  .pCode = code.words};
     VkShaderModule module;
-    VkResult result = vk->CreateShaderModule(context->device, &module_info, context->callbacks, &module);
+    VkResult result =
+        vk->CreateShaderModule(context->device, &module_info, context->callbacks, &module);
     if (result != VK_SUCCESS) {
         return girih_vulkan_failed(error, "vkCreateShaderModule", "plan", result);
     }
     const VkSpecializationMapEntry entry = {.constantID = 0, .size = sizeof bits};
     const VkSpecializationInfo specialization = {
         .mapEntryCount = 1, .pMapEntries = &entry, .dataSize = sizeof bits, .pData = &bits};
-    const VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
-                                              .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                                                        .stage = VK_SHADER_STAGE_COMPUTE_BIT,
-                                                        .module = module,
-                                                        .pName = "main",
-                                                        .pSpecializationInfo = &specialization},
-                                              .layout = context->pipeline_layout};
+    const VkComputePipelineCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+        .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                  .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                  .module = module,
+                  .pName = "main",
+                  .pSpecializationInfo = &specialization},
+        .layout = context->pipeline_layout};
     VkPipeline pipeline = VK_NULL_HANDLE;
-    result = vk->CreateComputePipelines(context->device, context->pipeline_cache, 1, &info, context->callbacks, &pipeline);
+    result = vk->CreateComputePipelines(context->device, context->pipeline_cache, 1, &info,
+                                        context->callbacks, &pipeline);
     vk->DestroyShaderModule(context->device, module, context->callbacks);
     if (result != VK_SUCCESS) {
         return girih_vulkan_failed(error, "vkCreateComputePipelines", "plan", result);
     }
     VkPipeline nothing = VK_NULL_HANDLE;
     if (!atomic_compare_exchange_strong(slot, &nothing, pipeline)) {
-        vk->DestroyPipeline(context->device, pipeline, context->callbacks); // another thread was first
+        vk->DestroyPipeline(context->device, pipeline,
+                            context->callbacks); // another thread was first
     }
     return GIRIH_OK;
 }

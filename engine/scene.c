@@ -11,15 +11,20 @@
 // The attributes' storage buffer for host vertex shaders of the instanced mode.
 static girih_result create_draw_set(girih_scene *scene, girih_error *error) {
     const girih_context *context = scene->context;
-    const VkDescriptorPoolSize size = {.type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, .descriptorCount = 1};
-    const VkDescriptorPoolCreateInfo pool = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
-    VkResult result = context->vk.CreateDescriptorPool(context->device, &pool, context->callbacks, &scene->pool);
+    const VkDescriptorPoolSize size = {.type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                       .descriptorCount = 1};
+    const VkDescriptorPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                             .maxSets = 1,
+                                             .poolSizeCount = 1,
+                                             .pPoolSizes = &size};
+    VkResult result =
+        context->vk.CreateDescriptorPool(context->device, &pool, context->callbacks, &scene->pool);
     if (result == VK_SUCCESS) {
-        const VkDescriptorSetAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                                  .descriptorPool = scene->pool,
-                                                  .descriptorSetCount = 1,
-                                                  .pSetLayouts = &context->draw_set_layout};
+        const VkDescriptorSetAllocateInfo info = {
+            .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+            .descriptorPool = scene->pool,
+            .descriptorSetCount = 1,
+            .pSetLayouts = &context->draw_set_layout};
         result = context->vk.AllocateDescriptorSets(context->device, &info, &scene->draw_set);
     }
     if (result != VK_SUCCESS) {
@@ -27,7 +32,8 @@ static girih_result create_draw_set(girih_scene *scene, girih_error *error) {
     }
     const VkDescriptorBufferInfo attributes = {.buffer = scene->buffer.buffer,
                                                .offset = scene->offset[GIRIH_BIND_ATTRIBUTES],
-                                               .range = scene->arrays.count[GIRIH_BIND_ATTRIBUTES] * 4};
+                                               .range =
+                                                   scene->arrays.count[GIRIH_BIND_ATTRIBUTES] * 4};
     const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                         .dstSet = scene->draw_set,
                                         .descriptorCount = 1,
@@ -37,10 +43,11 @@ static girih_result create_draw_set(girih_scene *scene, girih_error *error) {
     return GIRIH_OK;
 }
 
-girih_result girih_scene_create(const girih_context *context, const girih_mesh *const *meshes, uint32_t mesh_count,
-                                girih_scene **out, girih_error *error) {
+girih_result girih_scene_create(const girih_context *context, const girih_mesh *const *meshes,
+                                uint32_t mesh_count, girih_scene **out, girih_error *error) {
     if (!context || !out || (mesh_count && !meshes)) {
-        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "girih_scene_create: context, meshes and scene must be set");
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "girih_scene_create: context, meshes and scene must be set");
     }
     girih_scene *scene = girih_allocate(sizeof *scene);
     if (!scene) {
@@ -60,11 +67,13 @@ girih_result girih_scene_create(const girih_context *context, const girih_mesh *
         result = girih_check_ranges(context, arrays, SCENE_FIRST, end, size, "scene", error);
     }
     if (result == GIRIH_OK) {
-        result = girih_buffer_create(context, size, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                                     false, "scene", &scene->buffer, error);
+        result = girih_buffer_create(
+            context, size, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+            false, "scene", &scene->buffer, error);
     }
     if (result == GIRIH_OK) {
-        result = girih_buffer_create(context, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true, "scene", &scene->staging, error);
+        result = girih_buffer_create(context, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true, "scene",
+                                     &scene->staging, error);
     }
     if (result == GIRIH_OK) {
         char *staging = scene->staging.mapped;
@@ -85,9 +94,12 @@ girih_result girih_scene_create(const girih_context *context, const girih_mesh *
 
 void girih_cmd_upload_scene(girih_scene *scene, VkCommandBuffer commands) {
     const VkBufferCopy all = {.size = scene->buffer.size};
-    scene->context->vk.CmdCopyBuffer(commands, scene->staging.buffer, scene->buffer.buffer, 1, &all);
-    girih_barrier(scene->context, commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
-                  VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT);
+    scene->context->vk.CmdCopyBuffer(commands, scene->staging.buffer, scene->buffer.buffer, 1,
+                                     &all);
+    girih_barrier(scene->context, commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                  VK_ACCESS_TRANSFER_WRITE_BIT,
+                  VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT,
+                  VK_ACCESS_SHADER_READ_BIT);
 }
 
 void girih_scene_trim(girih_scene *scene) {

@@ -44,6 +44,9 @@ bool girih_has(uint variant) {
 
 #define GIRIH_ARRAY(WHOSE, BINDING, BLOCK, NAME) \
     layout(std430, set = 0, binding = WHOSE(BINDING)) buffer BLOCK { uint NAME[]; };
+// Written by one invocation and read by another of the same dispatch.
+#define GIRIH_COHERENT_ARRAY(WHOSE, BINDING, BLOCK, NAME) \
+    layout(std430, set = 0, binding = WHOSE(BINDING)) coherent buffer BLOCK { uint NAME[]; };
 
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_VERTICES, GirihVertices, girih_vertices)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_ATTRIBUTES, GirihAttributes, girih_attributes)
@@ -66,8 +69,8 @@ GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_KEYS, GirihKeys, girih_keys)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS, GirihItems, girih_items)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS_SPARE, GirihItemsSpare, girih_items_spare)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_COUNTERS, GirihCounters, girih_counters)
-GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_GROUPS, GirihGroups, girih_groups)
-GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_STATUS, GirihStatus, girih_status)
+GIRIH_COHERENT_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_GROUPS, GirihGroups, girih_groups)
+GIRIH_COHERENT_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_STATUS, GirihStatus, girih_status)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_DRAWS, GirihDraws, girih_draws)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_WELD_OFFSETS, GirihWeldOffsets, girih_weld_offsets)
 GIRIH_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_POSITIONS, GirihOutPositions, girih_out_positions)

@@ -172,8 +172,7 @@ void main() {
         border = uvec2(frame.output_mode == GIRIH_OUTPUT_WELDED ? frame.corner_count : 0u, 0u);
         vertices = add_wide(total.vertices, border);
     }
-    // From here on everything fits 32 bits. The last group's bounds move before others are read, so
-    // they are read first and written after a barrier.
+    // From here on everything fits 32 bits.
     for (uint group = begin; group < end; ++group) {
         uvec2 items = group_items(group, level0);
         uint word = group * GIRIH_GROUP_WORDS;
@@ -207,7 +206,8 @@ void main() {
     memoryBarrierBuffer();
     barrier();
     if (level0) {
-        // Runs are walked from their ends, so that a material's other groups still hold their bounds.
+        // All of a material's triangles stand in its first group. Only now that every lane has read the
+        // bounds of its groups do they change.
         for (uint material = lane; material < frame.material_count; material += lanes) {
             uint group = material * frame.range_count;
             uvec2 items = group_items(group, true);

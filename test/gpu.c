@@ -20,7 +20,8 @@ void gpu_girih(girih_result result, const girih_error *error) {
 
 static VkBool32 VKAPI_CALL count_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                          VkDebugUtilsMessageTypeFlagsEXT types,
-                                         const VkDebugUtilsMessengerCallbackDataEXT *data, void *user) {
+                                         const VkDebugUtilsMessengerCallbackDataEXT *data,
+                                         void *user) {
     (void)severity;
     (void)types;
     gpu *host = user;
@@ -32,7 +33,8 @@ static VkBool32 VKAPI_CALL count_message(VkDebugUtilsMessageSeverityFlagBitsEXT 
 static void create_instance(gpu *host, bool validation) {
     const char *layer = "VK_LAYER_KHRONOS_validation";
     const char *extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
-    const VkValidationFeatureEnableEXT enable = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+    const VkValidationFeatureEnableEXT enable =
+        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
     const VkValidationFeaturesEXT features = {.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
                                               .enabledValidationFeatureCount = 1,
                                               .pEnabledValidationFeatures = &enable};
@@ -46,18 +48,23 @@ static void create_instance(gpu *host, bool validation) {
                                        .ppEnabledLayerNames = &layer,
                                        .enabledExtensionCount = validation ? 1 : 0,
                                        .ppEnabledExtensionNames = &extension};
-    gpu_check(vkCreateInstance(&info, NULL, &host->instance), "vkCreateInstance (are the validation layers installed?)");
+    gpu_check(vkCreateInstance(&info, NULL, &host->instance),
+              "vkCreateInstance (are the validation layers installed?)");
     if (validation) {
         const VkDebugUtilsMessengerCreateInfoEXT messenger = {
             .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-            .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
-            .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+            .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                               VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+            .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT |
+                           VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
                            VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
             .pfnUserCallback = count_message,
             .pUserData = host};
         PFN_vkCreateDebugUtilsMessengerEXT create =
-            (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(host->instance, "vkCreateDebugUtilsMessengerEXT");
-        gpu_check(create(host->instance, &messenger, NULL, &host->messenger), "vkCreateDebugUtilsMessengerEXT");
+            (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
+                host->instance, "vkCreateDebugUtilsMessengerEXT");
+        gpu_check(create(host->instance, &messenger, NULL, &host->messenger),
+                  "vkCreateDebugUtilsMessengerEXT");
     }
 }
 
@@ -79,7 +86,8 @@ static bool has_extension(VkPhysicalDevice device, const char *name) {
     vkEnumerateDeviceExtensionProperties(device, NULL, &count, NULL);
     VkExtensionProperties *properties = calloc(count + 1, sizeof *properties);
     bool found = false;
-    if (properties && vkEnumerateDeviceExtensionProperties(device, NULL, &count, properties) == VK_SUCCESS) {
+    if (properties &&
+        vkEnumerateDeviceExtensionProperties(device, NULL, &count, properties) == VK_SUCCESS) {
         for (uint32_t n = 0; n < count; ++n) {
             found = found || strcmp(properties[n].extensionName, name) == 0;
         }
@@ -92,7 +100,8 @@ void gpu_open(gpu *host, const VkPhysicalDeviceFeatures *wanted, bool validation
     memset(host, 0, sizeof *host);
     create_instance(host, validation);
     uint32_t count = 1;
-    const VkResult found = vkEnumeratePhysicalDevices(host->instance, &count, &host->physical_device);
+    const VkResult found =
+        vkEnumeratePhysicalDevices(host->instance, &count, &host->physical_device);
     if ((found != VK_SUCCESS && found != VK_INCOMPLETE) || count == 0) {
         fprintf(stderr, "no Vulkan device; install mesa-vulkan-drivers\n");
         exit(1);
@@ -103,7 +112,8 @@ void gpu_open(gpu *host, const VkPhysicalDeviceFeatures *wanted, bool validation
     uint32_t family_count = 16;
     vkGetPhysicalDeviceQueueFamilyProperties(host->physical_device, &family_count, families);
     const VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-    while (host->queue_family < family_count && (families[host->queue_family].queueFlags & needed) != needed) {
+    while (host->queue_family < family_count &&
+           (families[host->queue_family].queueFlags & needed) != needed) {
         ++host->queue_family;
     }
     if (wanted) {
@@ -114,7 +124,8 @@ void gpu_open(gpu *host, const VkPhysicalDeviceFeatures *wanted, bool validation
     const char *feedback = VK_EXT_TRANSFORM_FEEDBACK_EXTENSION_NAME;
     host->transform_feedback = has_extension(host->physical_device, feedback);
     VkPhysicalDeviceTransformFeedbackFeaturesEXT feedback_features = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TRANSFORM_FEEDBACK_FEATURES_EXT, .transformFeedback = VK_TRUE};
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TRANSFORM_FEEDBACK_FEATURES_EXT,
+        .transformFeedback = VK_TRUE};
     const float priority = 1;
     const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                            .queueFamilyIndex = host->queue_family,
@@ -143,7 +154,8 @@ unsigned gpu_close(gpu *host) {
     vkDestroyDevice(host->device, NULL);
     if (host->messenger) {
         PFN_vkDestroyDebugUtilsMessengerEXT destroy =
-            (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(host->instance, "vkDestroyDebugUtilsMessengerEXT");
+            (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
+                host->instance, "vkDestroyDebugUtilsMessengerEXT");
         destroy(host->instance, host->messenger, NULL);
     }
     vkDestroyInstance(host->instance, NULL);
@@ -151,7 +163,8 @@ unsigned gpu_close(gpu *host) {
 }
 
 VkCommandBuffer gpu_begin(gpu *host) {
-    const VkCommandBufferAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+    const VkCommandBufferAllocateInfo info = {.sType =
+                                                  VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
                                               .commandPool = host->pool,
                                               .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
                                               .commandBufferCount = 1};
@@ -167,10 +180,12 @@ void gpu_end(VkCommandBuffer commands) {
 }
 
 void gpu_submit(gpu *host, VkCommandBuffer commands) {
-    const VkSubmitInfo submit = {
-        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &commands};
+    const VkSubmitInfo submit = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+                                 .commandBufferCount = 1,
+                                 .pCommandBuffers = &commands};
     gpu_check(vkQueueSubmit(host->queue, 1, &submit, host->fence), "vkQueueSubmit");
-    gpu_check(vkWaitForFences(host->device, 1, &host->fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+    gpu_check(vkWaitForFences(host->device, 1, &host->fence, VK_TRUE, UINT64_MAX),
+              "vkWaitForFences");
     gpu_check(vkResetFences(host->device, 1, &host->fence), "vkResetFences");
 }
 
@@ -182,22 +197,29 @@ void gpu_run(gpu *host, VkCommandBuffer commands) {
 
 gpu_buffer gpu_create_buffer(gpu *host, VkDeviceSize size, VkBufferUsageFlags usage, bool mapped) {
     gpu_buffer buffer = {.size = size};
-    const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
+    const VkBufferCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
     gpu_check(vkCreateBuffer(host->device, &info, NULL, &buffer.buffer), "vkCreateBuffer");
     VkMemoryRequirements needs;
     vkGetBufferMemoryRequirements(host->device, buffer.buffer, &needs);
-    const VkMemoryPropertyFlags flags = mapped ? VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT
-                                             : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    const VkMemoryPropertyFlags flags =
+        mapped ? VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT
+               : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
     uint32_t type = 0;
-    while (!(needs.memoryTypeBits & 1u << type) || (host->memory.memoryTypes[type].propertyFlags & flags) != flags) {
+    while (!(needs.memoryTypeBits & 1u << type) ||
+           (host->memory.memoryTypes[type].propertyFlags & flags) != flags) {
         ++type;
     }
-    const VkMemoryAllocateInfo allocation = {
-        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs.size, .memoryTypeIndex = type};
-    gpu_check(vkAllocateMemory(host->device, &allocation, NULL, &buffer.memory), "vkAllocateMemory");
-    gpu_check(vkBindBufferMemory(host->device, buffer.buffer, buffer.memory, 0), "vkBindBufferMemory");
+    const VkMemoryAllocateInfo allocation = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                             .allocationSize = needs.size,
+                                             .memoryTypeIndex = type};
+    gpu_check(vkAllocateMemory(host->device, &allocation, NULL, &buffer.memory),
+              "vkAllocateMemory");
+    gpu_check(vkBindBufferMemory(host->device, buffer.buffer, buffer.memory, 0),
+              "vkBindBufferMemory");
     if (mapped) {
-        gpu_check(vkMapMemory(host->device, buffer.memory, 0, VK_WHOLE_SIZE, 0, &buffer.mapped), "vkMapMemory");
+        gpu_check(vkMapMemory(host->device, buffer.memory, 0, VK_WHOLE_SIZE, 0, &buffer.mapped),
+                  "vkMapMemory");
     }
     return buffer;
 }
@@ -222,14 +244,15 @@ void *gpu_read(gpu *host, VkBuffer source, VkDeviceSize offset, VkDeviceSize siz
     const VkMemoryBarrier before = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                     .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
                                     .dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT};
-    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1, &before, 0, NULL,
-                         0, NULL);
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+                         VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1, &before, 0, NULL, 0, NULL);
     const VkBufferCopy copy = {.srcOffset = offset, .size = size};
     vkCmdCopyBuffer(commands, source, target.buffer, 1, &copy);
     const VkMemoryBarrier after = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                    .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
                                    .dstAccessMask = VK_ACCESS_HOST_READ_BIT};
-    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &after, 0, NULL, 0, NULL);
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1,
+                         &after, 0, NULL, 0, NULL);
     gpu_run(host, commands);
     memcpy(bytes, target.mapped, size);
     gpu_destroy_buffer(host, &target);
@@ -260,7 +283,8 @@ girih_context *gpu_context(gpu *host, const girih_context_desc *options) {
     return context;
 }
 
-girih_scene *gpu_scene(gpu *host, const girih_context *context, const girih_mesh *const *meshes, uint32_t mesh_count) {
+girih_scene *gpu_scene(gpu *host, const girih_context *context, const girih_mesh *const *meshes,
+                       uint32_t mesh_count) {
     girih_scene *scene;
     girih_error error;
     gpu_girih(girih_scene_create(context, meshes, mesh_count, &scene, &error), &error);

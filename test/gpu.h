@@ -1,5 +1,6 @@
-// A Vulkan host for tests and benchmarks: instance, device, one queue, and buffers to read back. With
-// validation on, every message of the Khronos layer (synchronization validation included) is counted.
+// A Vulkan host for tests and benchmarks: instance, device, one queue, and buffers to read back.
+// With validation on, every message of the Khronos layer (synchronization validation included) is
+// counted.
 #ifndef GIRIH_TEST_GPU_H
 #define GIRIH_TEST_GPU_H
 
@@ -21,7 +22,7 @@ typedef struct gpu {
     VkCommandPool pool;
     VkFence fence;
     VkDebugUtilsMessengerEXT messenger;
-    unsigned messages;                 // validation messages so far, each printed
+    unsigned messages; // validation messages so far, each printed
 } gpu;
 
 typedef struct gpu_buffer {
@@ -57,6 +58,7 @@ VkShaderModule gpu_shader(gpu *host, const uint32_t *words, size_t bytes);
 
 // A context with its catalogue uploaded.
 girih_context *gpu_context(gpu *host, const girih_context_desc *options);
-girih_scene *gpu_scene(gpu *host, const girih_context *context, const girih_mesh *const *meshes, uint32_t mesh_count);
+girih_scene *gpu_scene(gpu *host, const girih_context *context, const girih_mesh *const *meshes,
+                       uint32_t mesh_count);
 
 #endif

@@ -12,9 +12,17 @@ extern "C" {
 
 typedef struct girih_gltf_model girih_gltf_model;
 
-typedef enum girih_gltf_alpha_mode { GIRIH_GLTF_ALPHA_OPAQUE, GIRIH_GLTF_ALPHA_MASK, GIRIH_GLTF_ALPHA_BLEND } girih_gltf_alpha_mode;
+typedef enum girih_gltf_alpha_mode {
+    GIRIH_GLTF_ALPHA_OPAQUE,
+    GIRIH_GLTF_ALPHA_MASK,
+    GIRIH_GLTF_ALPHA_BLEND
+} girih_gltf_alpha_mode;
 
-typedef enum girih_gltf_wrap { GIRIH_GLTF_WRAP_REPEAT, GIRIH_GLTF_WRAP_MIRROR, GIRIH_GLTF_WRAP_CLAMP } girih_gltf_wrap;
+typedef enum girih_gltf_wrap {
+    GIRIH_GLTF_WRAP_REPEAT,
+    GIRIH_GLTF_WRAP_MIRROR,
+    GIRIH_GLTF_WRAP_CLAMP
+} girih_gltf_wrap;
 
 // An image as 8-bit RGBA rows, top row first, sRGB as the base colour is. Only images that some
 // material uses as its base colour are decoded; a material whose image cannot be has none.
@@ -28,15 +36,16 @@ typedef struct girih_gltf_material {
     float base_color[4];          // linear factor
     int32_t base_color_image;     // index into images, -1: none
     uint32_t base_color_texcoord; // the TEXCOORD set it uses
-    float texcoord_offset[2], texcoord_scale[2], texcoord_rotation; // KHR_texture_transform; (0,0), (1,1), 0
+    float texcoord_offset[2], texcoord_scale[2],
+        texcoord_rotation; // KHR_texture_transform; (0,0), (1,1), 0
     girih_gltf_wrap wrap_s, wrap_t;
-    bool nearest;                 // magnification filter
-    float metallic, roughness;    // factors
+    bool nearest;              // magnification filter
+    float metallic, roughness; // factors
     float emissive[3];
     girih_gltf_alpha_mode alpha_mode;
     float alpha_cutoff;
     bool double_sided;
-    bool unlit;                   // KHR_materials_unlit
+    bool unlit; // KHR_materials_unlit
 } girih_gltf_material;
 
 // One vertex attribute kept beside POSITION and NORMAL: TANGENT, TEXCOORD_n, COLOR_n, or a custom
@@ -50,42 +59,43 @@ typedef struct girih_gltf_attribute {
 // A triangle primitive, whatever its mode and index type were in the file: strips and fans are
 // unrolled, missing indices are made, degenerate triangles stay. Winding is as the file's.
 typedef struct girih_gltf_primitive {
-    int32_t material;              // index into materials, -1: the default material
+    int32_t material; // index into materials, -1: the default material
     uint32_t vertex_count;
-    const float *positions;        // [vertex_count][3]
-    const float *normals;          // [vertex_count][3] or NULL
+    const float *positions; // [vertex_count][3]
+    const float *normals;   // [vertex_count][3] or NULL
     uint32_t attribute_count;
     const girih_gltf_attribute *attributes;
     uint32_t index_count;
-    const uint32_t *indices;       // each below vertex_count
+    const uint32_t *indices; // each below vertex_count
 } girih_gltf_primitive;
 
 typedef struct girih_gltf_mesh {
-    const char *name;              // never NULL: the file's, or "mesh N"
-    uint32_t primitive_count;      // triangle primitives only; may be 0
+    const char *name;         // never NULL: the file's, or "mesh N"
+    uint32_t primitive_count; // triangle primitives only; may be 0
     const girih_gltf_primitive *primitives;
 } girih_gltf_mesh;
 
 #define GIRIH_GLTF_NO_NODE UINT32_MAX
 
-// A mesh placed in the scene: every node with a mesh that the default scene reaches (the first scene
-// where none is the default, all nodes where a file has no scene). A skinned mesh is placed, in its
-// bind pose, by its own node. In a file without any node that has a mesh, every mesh is placed once,
-// untransformed, its node being GIRIH_GLTF_NO_NODE.
+// A mesh placed in the scene: every node with a mesh that the default scene reaches (the first
+// scene where none is the default, all nodes where a file has no scene). A skinned mesh is placed,
+// in its bind pose, by its own node. In a file without any node that has a mesh, every mesh is
+// placed once, untransformed, its node being GIRIH_GLTF_NO_NODE.
 typedef struct girih_gltf_placement {
     uint32_t mesh;
     uint32_t node;
-    float transform[12]; // rows of the 3x4 node-to-world matrix: world = (t[0..2]·p + t[3], t[4..6]·p + t[7], ...)
+    float transform[12]; // rows of the 3x4 node-to-world matrix: world = (t[0..2]·p + t[3],
+                         // t[4..6]·p + t[7], ...)
 } girih_gltf_placement;
 
 typedef struct girih_gltf_camera {
     const char *name;
     bool perspective;
-    float vertical_view_angle; // radians, perspective
-    float aspect;              // width / height, 0: the picture's
+    float vertical_view_angle;              // radians, perspective
+    float aspect;                           // width / height, 0: the picture's
     float x_magnification, y_magnification; // orthographic
-    float near, far;           // far 0: infinite
-    float transform[12];       // node-to-world as above; looks along -z, y up
+    float near, far;                        // far 0: infinite
+    float transform[12];                    // node-to-world as above; looks along -z, y up
 } girih_gltf_camera;
 
 // What a model holds. All pointers belong to the model.
@@ -101,8 +111,8 @@ typedef struct girih_gltf_contents {
     uint32_t camera_count;
     const girih_gltf_camera *cameras;
     uint32_t animation_count, skin_count, morph_target_count; // what refine drops
-    uint32_t skipped_primitives;  // points and lines, each named in a warning
-    uint32_t triangle_count;      // of all meshes, each mesh once
+    uint32_t skipped_primitives; // points and lines, each named in a warning
+    uint32_t triangle_count;     // of all meshes, each mesh once
 } girih_gltf_contents;
 
 // Loads .gltf or .glb. Warnings (points and lines left out, an optional extension not known, a
@@ -110,8 +120,8 @@ typedef struct girih_gltf_contents {
 // NULL. On failure returns NULL and writes one line into message: the path, what is wrong, where in
 // the file, and what to do where something can be done. Never aborts or throws. Calls on different
 // models may run at once.
-girih_gltf_model *girih_gltf_load(const char *path, void (*warn)(void *user, const char *line), void *user,
-                      char *message, size_t message_size);
+girih_gltf_model *girih_gltf_load(const char *path, void (*warn)(void *user, const char *line),
+                                  void *user, char *message, size_t message_size);
 
 void girih_gltf_destroy(girih_gltf_model *model); // takes NULL
 
@@ -120,22 +130,24 @@ const girih_gltf_contents *girih_gltf_get(const girih_gltf_model *model);
 // What replaces a primitive's geometry when a model is written. Read during girih_gltf_write only.
 typedef struct girih_gltf_refined_primitive {
     uint32_t vertex_count;
-    const float *positions;    // [vertex_count][3]
-    const float *normals;      // [vertex_count][3] or NULL
-    const float *const *attributes; // one array for each of the primitive's attributes, in its order
+    const float *positions; // [vertex_count][3]
+    const float *normals;   // [vertex_count][3] or NULL
+    const float *const
+        *attributes; // one array for each of the primitive's attributes, in its order
     uint32_t index_count;
     const uint32_t *indices;
 } girih_gltf_refined_primitive;
 
-// Writes a .glb: the model with its nodes, materials, textures (embedded), cameras, extras and names,
-// each triangle primitive's geometry replaced by refined[mesh][primitive], in the order of girih_gltf_contents. Skins,
-// morph targets and animations are left out (the bind pose is written); points and lines are left out
-// as well. Positions are written bit for bit, with exact min and max; normals and tangents are made unit
-// length where they are not. The file is written beside the
+// Writes a .glb: the model with its nodes, materials, textures (embedded), cameras, extras and
+// names, each triangle primitive's geometry replaced by refined[mesh][primitive], in the order of
+// girih_gltf_contents. Skins, morph targets and animations are left out (the bind pose is written);
+// points and lines are left out as well. Positions are written bit for bit, with exact min and max;
+// normals and tangents are made unit length where they are not. The file is written beside the
 // target under another name and moved over it when it is whole. Streams its output: no copy of the
 // refined geometry is held in memory. Returns false and one line in message on failure.
-bool girih_gltf_write(const girih_gltf_model *model, const girih_gltf_refined_primitive *const *refined, const char *path,
-                char *message, size_t message_size);
+bool girih_gltf_write(const girih_gltf_model *model,
+                      const girih_gltf_refined_primitive *const *refined, const char *path,
+                      char *message, size_t message_size);
 
 #ifdef __cplusplus
 }

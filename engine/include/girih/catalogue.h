@@ -31,14 +31,14 @@ typedef enum girih_spacing {
 // to P2, of edge 2 from P2 to P3, of edge 3 from P3 to P1; then the interior. Triangles wind as
 // P1, P2, P3.
 typedef struct girih_base_pattern {
-    uint8_t levels[3];       // i, j, k: levels from 0 in either spacing
-    uint8_t index_bytes;     // 2, or 4 where the pattern has more than 65,536 vertices
-    uint32_t segments[3];    // segments of the edges 1, 2, 3
+    uint8_t levels[3];    // i, j, k: levels from 0 in either spacing
+    uint8_t index_bytes;  // 2, or 4 where the pattern has more than 65,536 vertices
+    uint32_t segments[3]; // segments of the edges 1, 2, 3
     uint32_t vertex_count;
     uint32_t triangle_count;
-    uint32_t first_vertex;   // into the catalogue's vertices
+    uint32_t first_vertex; // into the catalogue's vertices
     uint32_t reserved;
-    uint64_t index_offset;   // bytes from the start of the catalogue, 4-byte aligned
+    uint64_t index_offset; // bytes from the start of the catalogue, 4-byte aligned
 } girih_base_pattern;
 
 // The first bytes of a catalogue. All values are little-endian.
@@ -72,20 +72,24 @@ GIRIH_API const girih_catalogue *girih_catalogue_dyadic(void);
 GIRIH_API const girih_catalogue *girih_catalogue_linear(void);
 
 // The base pattern of a rank in [0, pattern_count).
-GIRIH_API const girih_base_pattern *girih_catalogue_pattern(const girih_catalogue *catalogue, uint32_t rank);
+GIRIH_API const girih_base_pattern *girih_catalogue_pattern(const girih_catalogue *catalogue,
+                                                            uint32_t rank);
 
 // A pattern's packed vertices, vertex_count of them: u | v << 16.
-GIRIH_API const uint32_t *girih_catalogue_vertices(const girih_catalogue *catalogue, const girih_base_pattern *pattern);
+GIRIH_API const uint32_t *girih_catalogue_vertices(const girih_catalogue *catalogue,
+                                                   const girih_base_pattern *pattern);
 
 // Index n in [0, 3 * triangle_count) of a pattern, local to its vertices.
-GIRIH_API uint32_t girih_catalogue_index(const girih_catalogue *catalogue, const girih_base_pattern *pattern, uint32_t n);
+GIRIH_API uint32_t girih_catalogue_index(const girih_catalogue *catalogue,
+                                         const girih_base_pattern *pattern, uint32_t n);
 
 // The number of segments of an edge of a level in [0, level_count).
 GIRIH_API uint32_t girih_catalogue_segments(const girih_catalogue *catalogue, uint32_t level);
 
 // The smallest level with at least this many segments; level_count - 1 where none has so many, and
 // *clamped (which may be NULL) says so.
-GIRIH_API uint32_t girih_catalogue_level(const girih_catalogue *catalogue, uint32_t segments, int *clamped);
+GIRIH_API uint32_t girih_catalogue_level(const girih_catalogue *catalogue, uint32_t segments,
+                                         int *clamped);
 
 #ifdef __cplusplus
 }

@@ -1,7 +1,7 @@
 // Requirements and context: girih on one Vulkan device.
 //
-// Instance, device, queues, command buffers and submission are the host's. girih calls Vulkan through
-// the host's vkGetInstanceProcAddr alone and does not link the loader.
+// Instance, device, queues, command buffers and submission are the host's. girih calls Vulkan
+// through the host's vkGetInstanceProcAddr alone and does not link the loader.
 #ifndef GIRIH_CONTEXT_H
 #define GIRIH_CONTEXT_H
 
@@ -17,9 +17,9 @@ extern "C" {
 // What girih needs of a device: Vulkan 1.1 with its required limits, and nothing else. The features
 // listed as optional are used where the host enabled them.
 typedef struct girih_requirements {
-    uint32_t api_version;                     // VK_API_VERSION_1_1
-    VkPhysicalDeviceFeatures optional;        // worth enabling: each is VK_TRUE
-    VkQueueFlags queue;                       // what the queue that runs girih's commands must offer
+    uint32_t api_version;              // VK_API_VERSION_1_1
+    VkPhysicalDeviceFeatures optional; // worth enabling: each is VK_TRUE
+    VkQueueFlags queue;                // what the queue that runs girih's commands must offer
 } girih_requirements;
 GIRIH_API girih_requirements girih_get_requirements(void);
 
@@ -30,8 +30,8 @@ typedef enum girih_surface {
 
 // How triangles are sorted; both give the same bytes.
 typedef enum girih_sort {
-    GIRIH_SORT_AUTO = 0,   // by the device's kind
-    GIRIH_SORT_SERIAL = 1, // one lane a block of triangles: for CPU devices
+    GIRIH_SORT_AUTO = 0,      // by the device's kind
+    GIRIH_SORT_SERIAL = 1,    // one lane a block of triangles: for CPU devices
     GIRIH_SORT_WORKGROUP = 2, // one workgroup a block of triangles: for GPUs
 } girih_sort;
 
@@ -41,16 +41,16 @@ typedef struct girih_context_desc {
     VkPhysicalDevice physical_device;
     VkDevice device;
     const VkPhysicalDeviceFeatures *enabled_features; // as the device was made with; NULL: none
-    const girih_catalogue *catalogue;                 // NULL: the built-in dyadic one; must outlive the context
-    uint32_t surfaces;                                // bit mask of 1 << girih_surface; 0: all
+    const girih_catalogue *catalogue; // NULL: the built-in dyadic one; must outlive the context
+    uint32_t surfaces;                // bit mask of 1 << girih_surface; 0: all
     girih_sort sort;
-    int few_buffers;                                  // not 0: use 4 storage buffers a stage even where there are more
-    VkPipelineCache pipeline_cache;                   // may be VK_NULL_HANDLE; must outlive the context
+    int few_buffers; // not 0: use 4 storage buffers a stage even where there are more
+    VkPipelineCache pipeline_cache; // may be VK_NULL_HANDLE; must outlive the context
     const VkAllocationCallbacks *allocation_callbacks; // may be NULL; must outlive the context
 } girih_context_desc;
 
-// Pipelines for one device and one catalogue. Any number of threads may use it at once: all that ever
-// changes are pipelines made, without a lock, when a plan first needs them.
+// Pipelines for one device and one catalogue. Any number of threads may use it at once: all that
+// ever changes are pipelines made, without a lock, when a plan first needs them.
 typedef struct girih_context girih_context;
 
 // On success *context is the caller's; record girih_cmd_upload_context once before the first use.

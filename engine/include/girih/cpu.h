@@ -1,6 +1,6 @@
-// The six stages on the CPU: the reference for tests, the path for machines without Vulkan, and what
-// picking or physics can call. Integers and positions are bit-identical to the GPU's on devices that
-// round as IEEE 754 and keep denormals.
+// The six stages on the CPU: the reference for tests, the path for machines without Vulkan, and
+// what picking or physics can call. Integers and positions are bit-identical to the GPU's on
+// devices that round as IEEE 754 and keep denormals.
 #ifndef GIRIH_CPU_H
 #define GIRIH_CPU_H
 
@@ -11,14 +11,14 @@ extern "C" {
 #endif
 
 typedef struct girih_cpu_desc {
-    const girih_catalogue *catalogue;    // NULL: the built-in dyadic one
+    const girih_catalogue *catalogue; // NULL: the built-in dyadic one
     const girih_mesh *const *meshes;
     uint32_t mesh_count;
     const girih_instance *instances;
     uint32_t instance_count;
     girih_surface surface;
-    girih_mode mode;                     // GIRIH_MODE_INSTANCED gives the same arrays as BAKED
-    uint32_t outputs;                    // girih_output_bits
+    girih_mode mode;                      // GIRIH_MODE_INSTANCED gives the same arrays as BAKED
+    uint32_t outputs;                     // girih_output_bits
     uint64_t max_vertices, max_triangles; // 0: as many as needed
 } girih_cpu_desc;
 

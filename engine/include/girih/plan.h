@@ -11,15 +11,17 @@
 extern "C" {
 #endif
 
-// --- Scene: an arena of meshes on the device ------------------------------------------------------
+// --- Scene: an arena of meshes on the device
+// ------------------------------------------------------
 
 typedef struct girih_scene girih_scene;
 
 // Packs meshes into one arena for a context's device. The meshes must have equal attribute_floats
-// and are read during the call only. On success *scene is the caller's; record girih_cmd_upload_scene
-// once before the first use. Thread-safe.
-GIRIH_API girih_result girih_scene_create(const girih_context *context, const girih_mesh *const *meshes,
-                                          uint32_t mesh_count, girih_scene **scene, girih_error *error);
+// and are read during the call only. On success *scene is the caller's; record
+// girih_cmd_upload_scene once before the first use. Thread-safe.
+GIRIH_API girih_result girih_scene_create(const girih_context *context,
+                                          const girih_mesh *const *meshes, uint32_t mesh_count,
+                                          girih_scene **scene, girih_error *error);
 
 // Records the upload of a scene: begins with no access, ends with transfer writes made available
 // and visible to compute and vertex shader reads. Externally synchronised on the scene.
@@ -31,15 +33,16 @@ GIRIH_API void girih_scene_trim(girih_scene *scene);
 // Takes NULL. No submitted command buffer and no plan may still use the scene.
 GIRIH_API void girih_scene_destroy(girih_scene *scene);
 
-// --- Frame: how fine, and what is seen ---------------------------------------------------------------
+// --- Frame: how fine, and what is seen
+// ---------------------------------------------------------------
 
 typedef enum girih_level_rule {
-    GIRIH_LEVEL_SEGMENTS = 0,    // every edge alike: `segments`
-    GIRIH_LEVEL_RANDOM = 1,      // 1..segments per edge, from a hash of its end positions and `seed`
-    GIRIH_LEVEL_EDGE_PIXELS = 2, // `length` pixels a segment on the screen
-    GIRIH_LEVEL_EDGE_LENGTH = 3, // `length` mesh units a segment
+    GIRIH_LEVEL_SEGMENTS = 0, // every edge alike: `segments`
+    GIRIH_LEVEL_RANDOM = 1,   // 1..segments per edge, from a hash of its end positions and `seed`
+    GIRIH_LEVEL_EDGE_PIXELS = 2,  // `length` pixels a segment on the screen
+    GIRIH_LEVEL_EDGE_LENGTH = 3,  // `length` mesh units a segment
     GIRIH_LEVEL_RANDOM_LEVEL = 4, // catalogue level 0..segments per edge, from the same hash: the
-                                 // measure of ARKFPI's Table 3
+                                  // measure of ARKFPI's Table 3
 } girih_level_rule;
 
 // One view of one frame. {0}: every edge one segment, nothing culled.
@@ -48,17 +51,18 @@ typedef struct girih_frame {
     uint32_t segments;
     uint32_t seed;
     float length;
-    float pixels_per_unit;      // GIRIH_LEVEL_EDGE_PIXELS: pixels that one unit covers at distance 1
-                                // (perspective: resolution_y / (2 tan(fov_y / 2))) or anywhere (orthographic)
-    float near_distance;        // perspective: nearer edges count as at this distance; > 0
-    float eye[3];               // world; orthographic: the direction towards the viewer
+    float pixels_per_unit; // GIRIH_LEVEL_EDGE_PIXELS: pixels that one unit covers at distance 1
+                           // (perspective: resolution_y / (2 tan(fov_y / 2))) or anywhere
+                           // (orthographic)
+    float near_distance;   // perspective: nearer edges count as at this distance; > 0
+    float eye[3];          // world; orthographic: the direction towards the viewer
     int orthographic;
-    int cull_frustum;           // against planes
-    int cull_back;              // triangles facing away whose material is not two-sided
-    float planes[6][4];         // world: inside where n·p + d >= 0, any length
+    int cull_frustum;   // against planes
+    int cull_back;      // triangles facing away whose material is not two-sided
+    float planes[6][4]; // world: inside where n·p + d >= 0, any length
 } girih_frame;
 
-// --- Plan: one frame in flight -----------------------------------------------------------------------
+// --- Plan: one frame in flight ------------------------------------------------------------------
 
 typedef struct girih_instance {
     uint32_t mesh;       // index into the scene's meshes
@@ -66,29 +70,33 @@ typedef struct girih_instance {
 } girih_instance;
 
 typedef enum girih_mode {
-    GIRIH_MODE_INSTANCED = 0, // drawn at once, one instance a triangle; needs multiDrawIndirect and drawIndirectFirstInstance
+    GIRIH_MODE_INSTANCED = 0, // drawn at once, one instance a triangle; needs multiDrawIndirect and
+                              // drawIndirectFirstInstance
     GIRIH_MODE_BAKED = 1,     // vertices in a buffer, each triangle its own
     GIRIH_MODE_WELDED = 2,    // vertices in a buffer, shared inside a submesh
 } girih_mode;
 
 typedef enum girih_output_bits {
-    GIRIH_OUTPUT_INDICES = 1,        // baked, welded: 32-bit indices of every output triangle; always there when welded
-    GIRIH_OUTPUT_CLOSED_INDICES = 2, // welded, nothing culled: indices by position alone, closed where the input is
-    GIRIH_OUTPUT_SOURCES = 4,        // baked, welded: per output triangle: instance, and triangle of its girih_mesh
-    GIRIH_OUTPUT_NO_DRAW = 8,        // no draw arguments are wanted
+    GIRIH_OUTPUT_INDICES =
+        1, // baked, welded: 32-bit indices of every output triangle; always there when welded
+    GIRIH_OUTPUT_CLOSED_INDICES =
+        2, // welded, nothing culled: indices by position alone, closed where the input is
+    GIRIH_OUTPUT_SOURCES =
+        4, // baked, welded: per output triangle: instance, and triangle of its girih_mesh
+    GIRIH_OUTPUT_NO_DRAW = 8, // no draw arguments are wanted
 } girih_output_bits;
 
 typedef struct girih_plan_desc {
-    const girih_scene *scene;          // must outlive the plan
-    const girih_instance *instances;   // read during the call
+    const girih_scene *scene;        // must outlive the plan
+    const girih_instance *instances; // read during the call
     uint32_t instance_count;
-    girih_surface surface;             // one of those the context was made with
+    girih_surface surface; // one of those the context was made with
     girih_mode mode;
-    uint32_t outputs;                  // girih_output_bits
-    uint32_t max_vertices;             // room for output vertices (baked, welded); 0: room for level 0 only
-    uint32_t max_triangles;            // room for output triangles; 0: room for level 0 only
-    VkBufferUsageFlags vertex_usage;   // usage flags the host wants beside girih's own on the
-    VkBufferUsageFlags index_usage;    // position and attribute buffers, and on the index buffers
+    uint32_t outputs;       // girih_output_bits
+    uint32_t max_vertices;  // room for output vertices (baked, welded); 0: room for level 0 only
+    uint32_t max_triangles; // room for output triangles; 0: room for level 0 only
+    VkBufferUsageFlags vertex_usage; // usage flags the host wants beside girih's own on the
+    VkBufferUsageFlags index_usage;  // position and attribute buffers, and on the index buffers
 } girih_plan_desc;
 
 typedef struct girih_plan girih_plan;
@@ -101,13 +109,15 @@ GIRIH_API girih_result girih_plan_create(const girih_context *context, const gir
 // Takes NULL. No submitted command buffer may still use the plan.
 GIRIH_API void girih_plan_destroy(girih_plan *plan);
 
-// Moves an instance; taken up by the next girih_cmd_refine. Elements that are not finite or beyond 1e15
-// are refused with GIRIH_ERROR_INVALID_DATA. Externally synchronised on the plan, and
-// not while a submitted girih_cmd_refine of this plan has not finished.
-GIRIH_API girih_result girih_plan_set_transform(girih_plan *plan, uint32_t instance, const float transform[12]);
+// Moves an instance; taken up by the next girih_cmd_refine. Elements that are not finite or beyond
+// 1e15 are refused with GIRIH_ERROR_INVALID_DATA. Externally synchronised on the plan, and not
+// while a submitted girih_cmd_refine of this plan has not finished.
+GIRIH_API girih_result girih_plan_set_transform(girih_plan *plan, uint32_t instance,
+                                                const float transform[12]);
 
 // Timestamps that girih_cmd_refine writes, GIRIH_TIMESTAMPS of them from `first` on: at its begin,
-// then at the end of levels, select, group, dispatch, evaluate and output. The host resets the queries.
+// then at the end of levels, select, group, dispatch, evaluate and output. The host resets the
+// queries.
 typedef struct girih_timestamps {
     VkQueryPool pool; // VK_NULL_HANDLE: none
     uint32_t first;
@@ -120,7 +130,8 @@ typedef struct girih_timestamps {
 // available and visible to indirect command, index, vertex attribute, vertex shader, compute and
 // transfer reads and to the host (statistics). `frame` is read during the call. Externally
 // synchronised on the plan; plans of one scene may be recorded by several threads at once.
-GIRIH_API girih_result girih_cmd_refine(girih_plan *plan, VkCommandBuffer commands, const girih_frame *frame,
+GIRIH_API girih_result girih_cmd_refine(girih_plan *plan, VkCommandBuffer commands,
+                                        const girih_frame *frame,
                                         const girih_timestamps *timestamps, girih_error *error);
 
 // Records the draw of one material inside the host's render pass, with the host's pipeline bound:
@@ -132,40 +143,40 @@ GIRIH_API void girih_cmd_draw(const girih_plan *plan, VkCommandBuffer commands, 
 
 // Vertex input of a pipeline that draws this plan's mode and surface, for girih.glsl. The arrays
 // live as long as the plan.
-GIRIH_API const VkPipelineVertexInputStateCreateInfo *girih_plan_vertex_input(const girih_plan *plan);
+GIRIH_API const VkPipelineVertexInputStateCreateInfo *
+girih_plan_vertex_input(const girih_plan *plan);
 
 // What the last executed girih_cmd_refine did; valid once the host has waited for it.
 typedef struct girih_statistics {
-    uint64_t input_triangles;   // of all instances
+    uint64_t input_triangles; // of all instances
     uint64_t culled_triangles;
-    uint64_t clamped_edges;     // edges that asked for more segments than the catalogue holds
+    uint64_t clamped_edges; // edges that asked for more segments than the catalogue holds
     uint64_t output_triangles;
-    uint64_t output_vertices;   // instanced: vertices of all instances' patterns
-    uint64_t needed_triangles;  // what the levels asked for; larger than the output after an overflow
+    uint64_t output_vertices; // instanced: vertices of all instances' patterns
+    uint64_t needed_triangles; // what the levels asked for; more than the output after an overflow
     uint64_t needed_vertices;
-    uint32_t groups;            // not empty
-    uint32_t base_patterns;     // in use
-    int overflow;               // the frame did not fit and was drawn at level 0
+    uint32_t groups;        // not empty
+    uint32_t base_patterns; // in use
+    int overflow;           // the frame did not fit and was drawn at level 0
 } girih_statistics;
 GIRIH_API girih_statistics girih_plan_statistics(const girih_plan *plan);
 
-// The buffers a plan writes. Vertex n of the output is 3 floats at positions[12 n], and its normal and
-// attributes are 3 + attribute_floats floats at attributes[4 (3 + attribute_floats) n]. Buffers that
-// the mode or outputs do not ask for are VK_NULL_HANDLE.
+// The buffers a plan writes. Vertex n of the output is 3 floats at positions[12 n], and its normal
+// and attributes are 3 + attribute_floats floats at attributes[4 (3 + attribute_floats) n]. Buffers
+// that the mode or outputs do not ask for are VK_NULL_HANDLE.
 typedef struct girih_plan_buffers {
     VkBuffer positions;
     VkBuffer attributes;
     VkBuffer indices;        // 3 x uint32 a triangle
     VkBuffer closed_indices; // 3 x uint32 a triangle
     VkBuffer sources;        // 2 x uint32 a triangle
-    VkBuffer groups;         // first output triangle of material m: girih_plan_material_range
     uint32_t max_vertices, max_triangles;
 } girih_plan_buffers;
 GIRIH_API girih_plan_buffers girih_plan_get_buffers(const girih_plan *plan);
 
 // The output triangles of a material after the last executed girih_cmd_refine: they are contiguous.
-GIRIH_API void girih_plan_material_range(const girih_plan *plan, uint32_t material, uint32_t *first_triangle,
-                                         uint32_t *triangle_count);
+GIRIH_API void girih_plan_material_range(const girih_plan *plan, uint32_t material,
+                                         uint32_t *first_triangle, uint32_t *triangle_count);
 
 // Number of materials of the plan's scene: the largest material and one.
 GIRIH_API uint32_t girih_plan_material_count(const girih_plan *plan);

@@ -14,8 +14,10 @@ extern "C" {
 
 typedef enum girih_result {
     GIRIH_OK = 0,
-    GIRIH_ERROR_INVALID_ARGUMENT = -1, // the call itself is wrong: a null pointer, an index out of range
-    GIRIH_ERROR_INVALID_DATA = -2,     // the data is wrong: a damaged catalogue, a coordinate that is not finite
+    GIRIH_ERROR_INVALID_ARGUMENT =
+        -1, // the call itself is wrong: a null pointer, an index out of range
+    GIRIH_ERROR_INVALID_DATA =
+        -2, // the data is wrong: a damaged catalogue, a coordinate that is not finite
     GIRIH_ERROR_OUT_OF_MEMORY = -3,
     GIRIH_ERROR_OUT_OF_DEVICE_MEMORY = -4,
     GIRIH_ERROR_TOO_LARGE = -5,   // more than the device's limits or 32-bit counts allow
