@@ -193,8 +193,7 @@ static girih_result choose_mode(session *s, girih_error *error) {
 }
 
 static girih_result open_device(session *s, girih_error *error) {
-    VkPhysicalDeviceFeatures wanted = {.fillModeNonSolid = s->options->wireframe,
-                                       .samplerAnisotropy = VK_TRUE};
+    VkPhysicalDeviceFeatures wanted = {.fillModeNonSolid = s->options->wireframe};
     girih_result result = girih_device_open(&s->device, &s->options->device, true, &wanted, error);
     if (result != GIRIH_OK) {
         return result;

@@ -1,6 +1,5 @@
 #include "textures.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -177,8 +176,6 @@ girih_result girih_textures_find(girih_textures *textures, const girih_device *d
             .addressModeU = address_mode(material->wrap_s),
             .addressModeV = address_mode(material->wrap_t),
             .addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT,
-            .anisotropyEnable = device->features.samplerAnisotropy && !material->nearest,
-            .maxAnisotropy = fminf(8.0f, device->properties.limits.maxSamplerAnisotropy),
             .maxLod = VK_LOD_CLAMP_NONE,
         };
         VkResult result = vkCreateSampler(device->device, &create, NULL, sampler);

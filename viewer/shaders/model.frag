@@ -76,12 +76,30 @@ vec3 tone_map(vec3 color) {
     return mix(color, vec3(mapped), gray);
 }
 
+// The texture over a pixel's footprint: up to eight taps along its longer axis, each about as wide as
+// the shorter one. Written out, because lavapipe's own anisotropic filter never ends on some footprints.
+vec4 base_color_at(vec2 place) {
+    const float most = 8.0;
+    vec2 along_x = dFdx(place);
+    vec2 along_y = dFdy(place);
+    bool x_is_longer = dot(along_x, along_x) > dot(along_y, along_y);
+    vec2 longer = x_is_longer ? along_x : along_y;
+    vec2 shorter = x_is_longer ? along_y : along_x;
+    float ratio = sqrt(dot(longer, longer) / max(dot(shorter, shorter), 1e-20));
+    float taps = ratio < most ? max(ceil(ratio), 1.0) : most;
+    vec4 sum = vec4(0.0);
+    for (float tap = 0.5; tap < taps; tap += 1.0) {
+        sum += textureGrad(base_color_texture, place + longer * (tap / taps - 0.5), longer / taps, shorter);
+    }
+    return sum / taps;
+}
+
 void main() {
     vec4 base = material.base_color * in_color;
     if (HAS_TEXCOORD) {
         vec3 coordinates = vec3(in_texcoord, 1.0);
-        base *= texture(base_color_texture, vec2(dot(material.texcoord_row0.xyz, coordinates),
-                                                 dot(material.texcoord_row1.xyz, coordinates)));
+        base *= base_color_at(vec2(dot(material.texcoord_row0.xyz, coordinates),
+                                   dot(material.texcoord_row1.xyz, coordinates)));
     }
     if (IS_MASK && base.a < material.alpha_cutoff) {
         discard;
