@@ -30,12 +30,16 @@ bool girih_has(uint variant) {
 
 #ifdef GIRIH_FEW_BUFFERS
 #define GIRIH_AT(BINDING, INDEX) [frame.bases[BINDING >> 2][BINDING & 3] + (INDEX)]
+#define GIRIH_AT_PAIR(BINDING, INDEX) [frame.bases[BINDING >> 2][BINDING & 3] / 2u + (INDEX)]
+#define GIRIH_AT_FOUR(BINDING, INDEX) [frame.bases[BINDING >> 2][BINDING & 3] / 4u + (INDEX)]
 #define GIRIH_SCENE_BINDING(BINDING) GIRIH_BIND_SHARED_SCENE
 #define GIRIH_PLAN_BINDING(BINDING) GIRIH_BIND_SHARED_PLAN
 #define GIRIH_OUTPUT_BINDING(BINDING) BINDING
 #define GIRIH_LIST_BINDING(BINDING) GIRIH_BIND_SHARED_LIST
 #else
 #define GIRIH_AT(BINDING, INDEX) [INDEX]
+#define GIRIH_AT_PAIR(BINDING, INDEX) [INDEX]
+#define GIRIH_AT_FOUR(BINDING, INDEX) [INDEX]
 #define GIRIH_SCENE_BINDING(BINDING) BINDING
 #define GIRIH_PLAN_BINDING(BINDING) BINDING
 #define GIRIH_OUTPUT_BINDING(BINDING) BINDING
@@ -44,16 +48,21 @@ bool girih_has(uint variant) {
 
 #define GIRIH_ARRAY(WHOSE, BINDING, BLOCK, NAME) \
     layout(std430, set = 0, binding = WHOSE(BINDING)) buffer BLOCK { uint NAME[]; };
+// Words that are read together are loaded together: a CPU device pays for every load of every lane.
+#define GIRIH_PAIR_ARRAY(WHOSE, BINDING, BLOCK, NAME) \
+    layout(std430, set = 0, binding = WHOSE(BINDING)) buffer BLOCK { uvec2 NAME[]; };
+#define GIRIH_FOUR_ARRAY(WHOSE, BINDING, BLOCK, NAME) \
+    layout(std430, set = 0, binding = WHOSE(BINDING)) readonly buffer BLOCK { uvec4 NAME[]; };
 // Written by one invocation and read by another of the same dispatch.
 #define GIRIH_COHERENT_ARRAY(WHOSE, BINDING, BLOCK, NAME) \
     layout(std430, set = 0, binding = WHOSE(BINDING)) coherent buffer BLOCK { uint NAME[]; };
 
-GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_VERTICES, GirihVertices, girih_vertices)
+GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_VERTICES, GirihVertices, girih_vertices)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_ATTRIBUTES, GirihAttributes, girih_attributes)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_VERTICES, GirihTriangleVertices, girih_triangle_vertices)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_EDGES, GirihTriangleEdges, girih_triangle_edges)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_MATERIALS, GirihTriangleMaterials, girih_triangle_materials)
-GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_EDGE_POINTS, GirihEdgePoints, girih_edge_points)
+GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_EDGE_POINTS, GirihEdgePoints, girih_edge_points)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_SEAMS, GirihSeams, girih_seams)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_WELD_EDGES, GirihTriangleWeldEdges, girih_triangle_weld_edges)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_WELD_EDGE_EDGES, GirihWeldEdgeEdges, girih_weld_edge_edges)
@@ -66,10 +75,11 @@ GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_INSTANCES, GirihInstances, girih_inst
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_BLOCKS, GirihBlocks, girih_blocks)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_LEVELS, GirihLevels, girih_levels)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_KEYS, GirihKeys, girih_keys)
-GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS, GirihItems, girih_items)
-GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS_SPARE, GirihItemsSpare, girih_items_spare)
+GIRIH_PAIR_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS, GirihItems, girih_items)
+GIRIH_PAIR_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS_SPARE, GirihItemsSpare, girih_items_spare)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_COUNTERS, GirihCounters, girih_counters)
 GIRIH_COHERENT_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_GROUPS, GirihGroups, girih_groups)
+GIRIH_FOUR_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_GROUPS, GirihGroupFours, girih_group_fours)
 GIRIH_COHERENT_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_STATUS, GirihStatus, girih_status)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_DRAWS, GirihDraws, girih_draws)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_WELD_OFFSETS, GirihWeldOffsets, girih_weld_offsets)
@@ -79,12 +89,12 @@ GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_INDICES, GirihOutIndices, girih_o
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_CLOSED_INDICES, GirihOutClosedIndices, girih_out_closed_indices)
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, girih_out_sources)
 
-#define VERTICES(I) girih_vertices GIRIH_AT(GIRIH_BIND_VERTICES, I)
+#define VERTEX_PAIRS(I) girih_vertices GIRIH_AT_PAIR(GIRIH_BIND_VERTICES, I)
 #define ATTRIBUTES(I) girih_attributes GIRIH_AT(GIRIH_BIND_ATTRIBUTES, I)
 #define TRIANGLE_VERTICES(I) girih_triangle_vertices GIRIH_AT(GIRIH_BIND_TRIANGLE_VERTICES, I)
 #define TRIANGLE_EDGES(I) girih_triangle_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_EDGES, I)
 #define TRIANGLE_MATERIALS(I) girih_triangle_materials GIRIH_AT(GIRIH_BIND_TRIANGLE_MATERIALS, I)
-#define EDGE_POINTS(I) girih_edge_points GIRIH_AT(GIRIH_BIND_EDGE_POINTS, I)
+#define EDGE_POINTS(I) girih_edge_points GIRIH_AT_PAIR(GIRIH_BIND_EDGE_POINTS, I)
 #define SEAMS(I) girih_seams GIRIH_AT(GIRIH_BIND_SEAMS, I)
 #define TRIANGLE_WELD_EDGES(I) girih_triangle_weld_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_WELD_EDGES, I)
 #define WELD_EDGE_EDGES(I) girih_weld_edge_edges GIRIH_AT(GIRIH_BIND_WELD_EDGE_EDGES, I)
@@ -97,10 +107,11 @@ GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, girih_o
 #define BLOCKS(I) girih_blocks GIRIH_AT(GIRIH_BIND_BLOCKS, I)
 #define LEVELS(I) girih_levels GIRIH_AT(GIRIH_BIND_LEVELS, I)
 #define KEYS(I) girih_keys GIRIH_AT(GIRIH_BIND_KEYS, I)
-#define ITEMS(I) girih_items GIRIH_AT(GIRIH_BIND_ITEMS, I)
-#define ITEMS_SPARE(I) girih_items_spare GIRIH_AT(GIRIH_BIND_ITEMS_SPARE, I)
+#define ITEMS(I) girih_items GIRIH_AT_PAIR(GIRIH_BIND_ITEMS, I)
+#define ITEMS_SPARE(I) girih_items_spare GIRIH_AT_PAIR(GIRIH_BIND_ITEMS_SPARE, I)
 #define COUNTERS(I) girih_counters GIRIH_AT(GIRIH_BIND_COUNTERS, I)
 #define GROUPS(I) girih_groups GIRIH_AT(GIRIH_BIND_GROUPS, I)
+#define GROUP_FOURS(I) girih_group_fours GIRIH_AT_FOUR(GIRIH_BIND_GROUPS, I)
 #define STATUS(I) girih_status GIRIH_AT(GIRIH_BIND_STATUS, I)
 #define DRAWS(I) girih_draws GIRIH_AT(GIRIH_BIND_DRAWS, I)
 #define WELD_OFFSETS(I) girih_weld_offsets GIRIH_AT(GIRIH_BIND_WELD_OFFSETS, I)

@@ -87,10 +87,11 @@ void main() {
         return;
     }
     GirihItem item = girih_read_item(number, overflow);
-    uint count = girih_group(item.group, GIRIH_GROUP_VERTICES);
+    uvec4 work = girih_group_work(item.group);
+    uint count = work[0];
     uint begin = chunk * GIRIH_CHUNK_VERTICES;
     uint end = min(begin + GIRIH_CHUNK_VERTICES, count);
-    uint first = girih_group(item.group, GIRIH_GROUP_BASE_VERTEX) + number * count;
+    uint first = work[GIRIH_GROUP_BASE_VERTEX - GIRIH_GROUP_VERTICES] + number * count;
     bool welded = girih_has(GIRIH_VARIANT_WELDED);
     if (!welded && (first + end <= push.window_first || first + begin >= push.window_first + push.window_count)) {
         return;
@@ -102,7 +103,7 @@ void main() {
         weld = girih_item_weld(item, vertices, false);
     }
     GirihPatch p = girih_item_patch(item, vertices);
-    uint pattern_vertex = girih_group(item.group, GIRIH_GROUP_PATTERN_VERTEX);
+    uint pattern_vertex = work[GIRIH_GROUP_PATTERN_VERTEX - GIRIH_GROUP_VERTICES];
     for (uint n = begin; n < end; ++n) {
         uint vertex = welded ? girih_weld_vertex(weld, n) : first + n;
         if (!in_window(vertex)) {

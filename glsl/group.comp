@@ -28,8 +28,7 @@ uint read_key(uint n) {
     if (push.first_pass != 0u) {
         return KEYS(n);
     }
-    return push.to_spare != 0u ? ITEMS(n * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY)
-                               : ITEMS_SPARE(n * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY);
+    return push.to_spare != 0u ? ITEMS(n)[GIRIH_ITEM_KEY] : ITEMS_SPARE(n)[GIRIH_ITEM_KEY];
 }
 
 uint digit_of(uint key) {
@@ -37,18 +36,16 @@ uint digit_of(uint key) {
 }
 
 void place(uint n, uint key, uint target) {
-    uint triangle = n;
+    uvec2 item;
+    item[GIRIH_ITEM_TRIANGLE] = n;
     if (push.first_pass == 0u) {
-        triangle = push.to_spare != 0u ? ITEMS(n * GIRIH_ITEM_WORDS + GIRIH_ITEM_TRIANGLE)
-                                       : ITEMS_SPARE(n * GIRIH_ITEM_WORDS + GIRIH_ITEM_TRIANGLE);
+        item = push.to_spare != 0u ? ITEMS(n) : ITEMS_SPARE(n);
     }
-    uint word = target * GIRIH_ITEM_WORDS;
+    item[GIRIH_ITEM_KEY] = key;
     if (push.to_spare != 0u) {
-        ITEMS_SPARE(word + GIRIH_ITEM_TRIANGLE) = triangle;
-        ITEMS_SPARE(word + GIRIH_ITEM_KEY) = key;
+        ITEMS_SPARE(target) = item;
     } else {
-        ITEMS(word + GIRIH_ITEM_TRIANGLE) = triangle;
-        ITEMS(word + GIRIH_ITEM_KEY) = key;
+        ITEMS(target) = item;
     }
 }
 
@@ -244,8 +241,8 @@ void main() {
     if (item >= items) {
         return;
     }
-    uint group = ITEMS(item * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY) >> 3;
-    uint before = item == 0u ? group : ITEMS((item - 1u) * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY) >> 3;
+    uint group = ITEMS(item)[GIRIH_ITEM_KEY] >> 3;
+    uint before = item == 0u ? group : ITEMS(item - 1u)[GIRIH_ITEM_KEY] >> 3;
     if (before != group) {
         GROUPS(before * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = item;
         GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) = item;

@@ -15,13 +15,13 @@ uint hash_word(uint hash, uint word) {
     return hash;
 }
 
-uint hash_edge(uint seed, uint a, uint b) {
+uint hash_edge(uint seed, vec3 p, vec3 q) {
     uint hash = hash_word(0x9e3779b9u, seed);
-    for (uint n = 0u; n < 3u; ++n) {
-        hash = hash_word(hash, VERTICES(a * GIRIH_VERTEX_WORDS + n));
+    for (int n = 0; n < 3; ++n) {
+        hash = hash_word(hash, floatBitsToUint(p[n]));
     }
-    for (uint n = 0u; n < 3u; ++n) {
-        hash = hash_word(hash, VERTICES(b * GIRIH_VERTEX_WORDS + n));
+    for (int n = 0; n < 3; ++n) {
+        hash = hash_word(hash, floatBitsToUint(q[n]));
     }
     return hash;
 }
@@ -50,24 +50,23 @@ void main() {
     }
     uint instance = girih_find_instance(edge, GIRIH_INSTANCE_FIRST_EDGE, frame.edge_blocks);
     uint scene_edge = edge - girih_instance(instance, GIRIH_INSTANCE_EDGE_DELTA);
-    uint a = EDGE_POINTS(2u * scene_edge);
-    uint b = EDGE_POINTS(2u * scene_edge + 1u);
+    uvec2 points = EDGE_POINTS(scene_edge);
+    vec3 p = girih_vertex_position(points.x);
+    vec3 q = girih_vertex_position(points.y);
     uint level = 0u;
     uint last = frame.level_count - 1u;
     bool clamped;
     if (rule == GIRIH_LEVELS_RANDOM_LEVEL) {
-        uint wanted = draw_below(hash_edge(frame.seed, a, b), frame.random_segments);
+        uint wanted = draw_below(hash_edge(frame.seed, p, q), frame.random_segments);
         level = min(wanted, last);
         clamped = wanted > last;
     } else if (rule == GIRIH_LEVELS_RANDOM) {
-        uint segments = 1u + draw_below(hash_edge(frame.seed, a, b), frame.random_segments);
+        uint segments = 1u + draw_below(hash_edge(frame.seed, p, q), frame.random_segments);
         while (level < last && level_segments(level) < segments) {
             ++level;
         }
         clamped = level_segments(level) < segments;
     } else {
-        vec3 p = girih_vertex_position(a);
-        vec3 q = girih_vertex_position(b);
         precise float distance_squared = frame.near_squared;
         if (rule == GIRIH_LEVELS_LENGTH) {
             GirihTransform transform = girih_instance_transform(instance);

@@ -24,12 +24,18 @@ uint girih_group(uint group, uint field) {
     return GROUPS(group * GIRIH_GROUP_WORDS + field);
 }
 
+// The words VERTICES to BASE_TRIANGLE of a group.
+uvec4 girih_group_work(uint group) {
+    return GROUP_FOURS((group * GIRIH_GROUP_WORDS + GIRIH_GROUP_VERTICES) / 4u);
+}
+
 // `overflow`: the frame is drawn at level 0.
 GirihItem girih_read_item(uint number, bool overflow) {
     GirihItem item;
     item.number = number;
-    uint triangle = ITEMS(number * GIRIH_ITEM_WORDS + GIRIH_ITEM_TRIANGLE);
-    uint key = ITEMS(number * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY);
+    uvec2 words = ITEMS(number);
+    uint triangle = words[GIRIH_ITEM_TRIANGLE];
+    uint key = words[GIRIH_ITEM_KEY];
     item.instance = girih_find_instance(triangle, GIRIH_INSTANCE_FIRST_TRIANGLE, frame.triangle_blocks);
     item.scene_triangle = triangle - girih_instance(item.instance, GIRIH_INSTANCE_TRIANGLE_DELTA);
     item.group = key >> 3;
@@ -62,8 +68,7 @@ GirihPatch girih_item_patch(GirihItem item, uint vertices[3]) {
     vec3 p[3];
     vec3 n[3];
     for (uint corner = 0u; corner < 3u; ++corner) {
-        p[corner] = girih_vertex_position(vertices[corner]);
-        n[corner] = girih_vertex_normal(vertices[corner]);
+        girih_vertex(vertices[corner], p[corner], n[corner]);
     }
     GirihTransform t = girih_instance_transform(item.instance);
     GirihTransform nt = girih_instance_normal_transform(item.instance);

@@ -5,16 +5,22 @@
 #include "arrays.glsl"
 #include "math.glsl"
 
+// A vertex is three pairs of words: position x y, z and normal x, normal y z.
 vec3 girih_vertex_position(uint vertex) {
-    uint word = vertex * GIRIH_VERTEX_WORDS;
-    return vec3(uintBitsToFloat(VERTICES(word)), uintBitsToFloat(VERTICES(word + 1u)),
-                uintBitsToFloat(VERTICES(word + 2u)));
+    uint pair = vertex * (GIRIH_VERTEX_WORDS / 2);
+    return vec3(uintBitsToFloat(VERTEX_PAIRS(pair)), uintBitsToFloat(VERTEX_PAIRS(pair + 1u).x));
 }
 
 vec3 girih_vertex_normal(uint vertex) {
-    uint word = vertex * GIRIH_VERTEX_WORDS + 3u;
-    return vec3(uintBitsToFloat(VERTICES(word)), uintBitsToFloat(VERTICES(word + 1u)),
-                uintBitsToFloat(VERTICES(word + 2u)));
+    uint pair = vertex * (GIRIH_VERTEX_WORDS / 2) + 1u;
+    return vec3(uintBitsToFloat(VERTEX_PAIRS(pair).y), uintBitsToFloat(VERTEX_PAIRS(pair + 1u)));
+}
+
+void girih_vertex(uint vertex, out vec3 position, out vec3 normal) {
+    uint pair = vertex * (GIRIH_VERTEX_WORDS / 2);
+    uvec2 middle = VERTEX_PAIRS(pair + 1u);
+    position = vec3(uintBitsToFloat(VERTEX_PAIRS(pair)), uintBitsToFloat(middle.x));
+    normal = vec3(uintBitsToFloat(middle.y), uintBitsToFloat(VERTEX_PAIRS(pair + 2u)));
 }
 
 float girih_instance_float(uint instance, uint field) {

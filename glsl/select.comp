@@ -116,11 +116,8 @@ void main() {
         vec3 corners[3];
         for (uint n = 0u; n < 3u; ++n) {
             uint vertex = TRIANGLE_VERTICES(3u * scene_triangle + n);
-            corners[n] = girih_vertex_position(vertex);
+            girih_vertex(vertex, corners[n], normals[n]);
             p[n] = corners[n];
-#if GIRIH_SURFACE == 1
-            normals[n] = girih_vertex_normal(vertex);
-#endif
         }
         int count = 3;
 #if GIRIH_SURFACE == 1

@@ -119,10 +119,10 @@
 // What evaluate and output need of an item of the group, as it is drawn: after an overflow these are base
 // pattern [0,0,0]'s for all of a material's groups.
 #define GIRIH_GROUP_RANK 6             // base pattern | GIRIH_GROUP_MIRRORED
-#define GIRIH_GROUP_VERTICES 7         // of the pattern
-#define GIRIH_GROUP_PATTERN_VERTEX 8   // the pattern's first in PATTERN_VERTICES
-#define GIRIH_GROUP_BASE_VERTEX 9      // item n's first output vertex = base + n * vertices (welded: interior ones)
-#define GIRIH_GROUP_BASE_TRIANGLE 10   // item n's first output triangle = base + n * triangles
+#define GIRIH_GROUP_VERTICES 8         // of the pattern; this and the next three are read as one
+#define GIRIH_GROUP_PATTERN_VERTEX 9   // the pattern's first in PATTERN_VERTICES
+#define GIRIH_GROUP_BASE_VERTEX 10     // item n's first output vertex = base + n * vertices (welded: interior ones)
+#define GIRIH_GROUP_BASE_TRIANGLE 11   // item n's first output triangle = base + n * triangles
 
 #define GIRIH_GROUP_MIRRORED 0x80000000u // uses its pattern's mirrored range
 
