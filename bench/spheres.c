@@ -23,8 +23,7 @@ static const sphere_case cases[] = {{"spheres 1,280 to level 5", 3, 5},
                                     {"spheres 20,480 to level 3", 5, 3},
                                     {"spheres 327,680 to level 1", 7, 1}};
 
-// --- The input
-// -----------------------------------------------------------------------------------------
+// --- The input ----------------------------------------------------------------------------------
 
 typedef struct sphere {
     float *positions; // of a unit sphere, so they are the normals too
@@ -134,8 +133,7 @@ static girih_result make_sphere(uint32_t halvings, const girih_mesh **mesh, giri
     return result;
 }
 
-// --- The static mesh
-// -------------------------------------------------------------------------------------
+// --- The static mesh ----------------------------------------------------------------------------
 
 typedef struct static_mesh {
     girih_device_buffer positions, normals, indices;
@@ -205,8 +203,7 @@ static girih_result make_static(girih_device *device, const girih_mesh *mesh,
     return result;
 }
 
-// --- girih
-// -------------------------------------------------------------------------------------------------
+// --- girih --------------------------------------------------------------------------------------
 
 typedef struct girih_state {
     girih_plan *plan;

@@ -98,8 +98,7 @@ uint32_t girih_sort_passes(uint32_t group_count, uint32_t *bits);
 // The statistics in a STATUS array.
 girih_statistics girih_read_status(const girih_frame_block *frame, const uint32_t *status);
 
-// --- The CPU twins: each reads and writes the arrays as its shader does
-// --------------------------------
+// --- The CPU twins: each reads and writes the arrays as its shader does -------------------------
 
 void girih_twin_levels(girih_arrays *arrays);
 void girih_twin_select(girih_arrays *arrays, girih_surface surface);

@@ -72,7 +72,12 @@ girih_result girih_buffer_create(const girih_context *context, VkDeviceSize size
         return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
                           "%s: the device has no fitting memory type", what);
     }
+    const VkMemoryAllocateFlagsInfo flags = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
+        .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT};
+    const bool has_address = usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
     const VkMemoryAllocateInfo allocation = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                             .pNext = has_address ? &flags : NULL,
                                              .allocationSize = requirements.size,
                                              .memoryTypeIndex = type};
     result = vk->AllocateMemory(context->device, &allocation, context->callbacks, &buffer->memory);

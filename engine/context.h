@@ -44,7 +44,7 @@ struct girih_context {
     girih_buffer patterns;  // PATTERNS and PATTERN_VERTICES
     girih_buffer indices;   // PATTERN_INDICES, alone: lavapipe ignores the bind offset of index
                             // buffers in indirect draws
-    girih_buffer staging;   // both, until the upload has been recorded and executed
+    girih_buffer staging; // both, for girih_cmd_upload_context
     VkDeviceSize offset[GIRIH_BIND_COUNT]; // of each array in its buffer
 
     VkDescriptorSetLayout set_layout;
@@ -98,8 +98,7 @@ struct girih_plan {
     VkPipelineVertexInputStateCreateInfo vertex_input;
 };
 
-// --- buffer.c
-// --------------------------------------------------------------------------------------
+// --- buffer.c -----------------------------------------------------------------------------------
 
 // Creates a buffer with memory of its own. host: mapped, coherent, cached where there is a choice.
 girih_result girih_buffer_create(const girih_context *context, VkDeviceSize size,
@@ -121,8 +120,7 @@ girih_result girih_check_ranges(const girih_context *context, const girih_arrays
 girih_result girih_vulkan_failed(girih_error *error, const char *call, const char *what,
                                  VkResult result);
 
-// --- pipeline.c
-// -------------------------------------------------------------------------------------
+// --- pipeline.c ---------------------------------------------------------------------------------
 
 // Makes the pipeline of a shader's variant (GIRIH_VARIANT_*) if it is not there yet. Thread-safe.
 girih_result girih_pipeline_need(const girih_context *context, uint32_t shader, uint32_t variant,
@@ -131,8 +129,7 @@ girih_result girih_pipeline_need(const girih_context *context, uint32_t shader, 
 // The pipeline of a variant that a plan has needed.
 VkPipeline girih_pipeline_get(const girih_context *context, uint32_t shader, uint32_t variant);
 
-// --- Recording: each stage's file records its own dispatches
-// -----------------------------------------------
+// --- Recording: each stage's file records its own dispatches ------------------------------------
 
 void girih_barrier(const girih_context *context, VkCommandBuffer commands,
                    VkPipelineStageFlags from_stage, VkAccessFlags from_access,

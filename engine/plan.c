@@ -35,6 +35,10 @@ static girih_result validate(const girih_context *context, const girih_plan_desc
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
                           "girih_plan_create: context, scene, instances and plan must be set");
     }
+    if (desc->scene->context != context) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "girih_plan_create: the scene belongs to another context");
+    }
     if ((uint32_t)desc->surface > GIRIH_SURFACE_PN || !(context->surfaces & 1u << desc->surface)) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
                           "girih_plan_create: the context was made without surface %d",
@@ -441,6 +445,15 @@ girih_result girih_plan_create(const girih_context *context, const girih_plan_de
     }
     if (result == GIRIH_OK) {
         result = create_inputs(plan, error);
+    }
+    // vkCmdDrawIndexedIndirect counts vertices from a signed offset and triangles by their indices.
+    if (result == GIRIH_OK && (plan->arrays.frame.max_vertices > INT32_MAX ||
+                               plan->arrays.frame.max_triangles > UINT32_MAX / 3)) {
+        result = girih_fail(error, GIRIH_ERROR_TOO_LARGE,
+                            "plan: room for %u vertices and %u triangles; at most %u and %u can be "
+                            "drawn, refine less at once",
+                            plan->arrays.frame.max_vertices, plan->arrays.frame.max_triangles,
+                            (unsigned)INT32_MAX, UINT32_MAX / 3);
     }
     girih_arrays_free(&plan->arrays, 0, GIRIH_BIND_COUNT);
     if (result == GIRIH_OK) {

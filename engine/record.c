@@ -170,7 +170,7 @@ void girih_cmd_draw(const girih_plan *plan, VkCommandBuffer commands, uint32_t m
         const VkBuffer buffers[2] = {context->patterns.buffer, plan->attributes.buffer};
         const VkDeviceSize offsets[2] = {context->offset[GIRIH_BIND_PATTERN_VERTICES], 0};
         vk->CmdBindVertexBuffers(commands, 0, 2, buffers, offsets);
-        if (layout) {
+        if (layout && frame->attribute_floats) {
             vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, set, 1,
                                       &plan->scene->draw_set, 0, NULL);
         }

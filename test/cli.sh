@@ -148,9 +148,15 @@ expect 0 check pixels.glb --from "$assets/teapot.glb" --json
 json 'o["open"] == o["expected_open"] == 0 and o["degenerate"] == 0'
 expect 1 check pixels.glb --from "$assets/cube_hard.glb" --segments 2
 
-# Too much is refused in one line.
+# What is not there is refused in one line, and the input is never written over.
 expect 1 refine "$assets/teapot.glb" -o large.glb --segments 64 --device llvmpipe --catalogue nosuch.gpat
 expect_one_line large
+cp -- "$assets/cube_hard.glb" own.glb
+for command in render refine; do
+    expect 1 "$command" own.glb -o own.glb
+    expect_one_line "$command"
+    same own.glb "$assets/cube_hard.glb"
+done
 
 if [[ $failures -ne 0 ]]; then
     printf '%d failures\n' "$failures"

@@ -76,3 +76,9 @@ void girih_output_discard(girih_output_file *file) {
     }
     release(file);
 }
+
+bool girih_output_is_same(const char *a, const char *b) {
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
+           first.st_ino == second.st_ino;
+}

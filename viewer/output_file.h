@@ -26,6 +26,9 @@ bool girih_output_open(girih_output_file *file, const char *path, char *message,
 // the stream, removes it, returns false and writes one line into message. Either way file is done.
 bool girih_output_commit(girih_output_file *file, char *message, size_t message_size);
 
+// Whether two names lead to one file.
+bool girih_output_is_same(const char *a, const char *b);
+
 // Closes and removes the file; the path is as it was. For a caller that cannot finish.
 void girih_output_discard(girih_output_file *file);
 

@@ -2,12 +2,12 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "commands.h"
 #include "error.h"
 #include "frame.h"
 #include "girih/cpu.h"
+#include "output_file.h"
 #include "refinement.h"
 
 typedef struct refine_options {
@@ -424,13 +424,6 @@ static girih_result write_model(session *s, girih_error *error) {
 
 // --- The command ---
 
-// Whether two names lead to one file.
-static bool is_same_file(const char *a, const char *b) {
-    struct stat first, second;
-    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
-           first.st_ino == second.st_ino;
-}
-
 static void warn_of_losses(const session *s) {
     const girih_gltf_contents *contents = s->model.contents;
     if (contents->animation_count + contents->skin_count + contents->morph_target_count != 0) {
@@ -445,7 +438,7 @@ static void warn_of_losses(const session *s) {
 
 static girih_result make_model(session *s, girih_error *error) {
     const refine_options *options = s->options;
-    if (is_same_file(options->model, options->output)) {
+    if (girih_output_is_same(options->model, options->output)) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
                           "is the input; write to another file");
     }

@@ -24,9 +24,13 @@ girih_result girih_refinement_scene(girih_device *device, const girih_context *c
     return result;
 }
 
-// What a plan's creation says, with the size it was for and what to do.
-static girih_result explain(girih_result result, const girih_error *reason, uint64_t triangles,
-                            uint64_t vertices, girih_error *error) {
+// What a plan's creation says; where the levels made it too large (`grown`), with the size they
+// asked for and what to do.
+static girih_result explain(girih_result result, const girih_error *reason, bool grown,
+                            uint64_t triangles, uint64_t vertices, girih_error *error) {
+    if (!grown) {
+        return girih_fail(error, result, "%s", reason->message);
+    }
     if (result == GIRIH_ERROR_TOO_LARGE || result == GIRIH_ERROR_OUT_OF_DEVICE_MEMORY ||
         result == GIRIH_ERROR_OUT_OF_MEMORY) {
         return girih_fail(
@@ -81,12 +85,13 @@ girih_result girih_refinement_run(girih_refinement *refinement, const girih_refi
     // Most pictures fit this; what does not says how much it needs.
     uint64_t triangles = (uint64_t)1 << 20;
     uint64_t vertices = (uint64_t)1 << 20;
+    bool grown = false;
     VkQueryPool queries;
     girih_result result = girih_device_queries(desc->device, GIRIH_TIMESTAMPS, &queries, error);
     while (result == GIRIH_OK) {
         if (triangles > UINT32_MAX || vertices > UINT32_MAX) {
             girih_error reason = {.message = "there can be 2^32 of each"};
-            result = explain(GIRIH_ERROR_TOO_LARGE, &reason, triangles, vertices, error);
+            result = explain(GIRIH_ERROR_TOO_LARGE, &reason, grown, triangles, vertices, error);
             break;
         }
         girih_plan_desc plan = {
@@ -104,7 +109,7 @@ girih_result girih_refinement_run(girih_refinement *refinement, const girih_refi
         girih_error reason = {.result = GIRIH_OK};
         result = girih_plan_create(desc->context, &plan, &refinement->plan, &reason);
         if (result != GIRIH_OK) {
-            result = explain(result, &reason, triangles, vertices, error);
+            result = explain(result, &reason, grown, triangles, vertices, error);
             break;
         }
         result = run_once(refinement, desc, frame, queries, error);
@@ -122,6 +127,7 @@ girih_result girih_refinement_run(girih_refinement *refinement, const girih_refi
                 (unsigned long long)triangles);
             break;
         }
+        grown = true;
         triangles = needed_triangles > triangles ? needed_triangles : triangles;
         vertices = needed_vertices > vertices ? needed_vertices : vertices;
     }

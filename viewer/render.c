@@ -6,6 +6,7 @@
 #include "error.h"
 #include "frame.h"
 #include "girih/cpu.h"
+#include "output_file.h"
 #include "png.h"
 #include "refinement.h"
 #include "renderer.h"
@@ -355,6 +356,10 @@ static girih_result draw(session *s, girih_error *error) {
 
 static girih_result make_picture(session *s, girih_error *error) {
     const render_options *options = s->options;
+    if (girih_output_is_same(options->model, options->output)) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "is the input; write to another file");
+    }
     girih_result result =
         girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
     if (result == GIRIH_OK) {

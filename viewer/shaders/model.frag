@@ -76,10 +76,10 @@ vec3 tone_map(vec3 color) {
     return mix(color, vec3(mapped), gray);
 }
 
-// The texture over a pixel's footprint: up to eight taps along its longer axis, each about as wide as
+// The texture over a pixel's footprint: up to sixteen taps along its longer axis, each about as wide as
 // the shorter one. Written out, because lavapipe's own anisotropic filter never ends on some footprints.
 vec4 base_color_at(vec2 place) {
-    const float most = 8.0;
+    const float most = 16.0;
     vec2 along_x = dFdx(place);
     vec2 along_y = dFdy(place);
     bool x_is_longer = dot(along_x, along_x) > dot(along_y, along_y);

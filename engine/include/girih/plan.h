@@ -11,8 +11,7 @@
 extern "C" {
 #endif
 
-// --- Scene: an arena of meshes on the device
-// ------------------------------------------------------
+// --- Scene: an arena of meshes on the device ----------------------------------------------------
 
 typedef struct girih_scene girih_scene;
 
@@ -33,8 +32,7 @@ GIRIH_API void girih_scene_trim(girih_scene *scene);
 // Takes NULL. No submitted command buffer and no plan may still use the scene.
 GIRIH_API void girih_scene_destroy(girih_scene *scene);
 
-// --- Frame: how fine, and what is seen
-// ---------------------------------------------------------------
+// --- Frame: how fine, and what is seen ----------------------------------------------------------
 
 typedef enum girih_level_rule {
     GIRIH_LEVEL_SEGMENTS = 0, // every edge alike: `segments`
@@ -136,7 +134,7 @@ GIRIH_API girih_result girih_cmd_refine(girih_plan *plan, VkCommandBuffer comman
 
 // Records the draw of one material inside the host's render pass, with the host's pipeline bound:
 // binds vertex and index buffers (bindings 0 and up, girih_plan_vertex_input) and draws indirectly.
-// Instanced: also binds the descriptor set of girih.glsl as set `set` of `layout` where the context
+// Instanced: also binds the descriptor set of girih.glsl as set `set` of `layout` where the scene
 // has attributes. Externally synchronised on the plan.
 GIRIH_API void girih_cmd_draw(const girih_plan *plan, VkCommandBuffer commands, uint32_t material,
                               VkPipelineLayout layout, uint32_t set);
