@@ -9,17 +9,19 @@
 #include "capture_instanced_pn.spv.h"
 
 girih_context *gpu_variant_context(gpu *host, gpu_variant variant) {
-    const girih_context_desc desc = {
-        .catalogue = variant.linear ? girih_catalogue_linear() : girih_catalogue_dyadic(),
-        .sort = variant.sort,
-        .few_buffers = variant.few_buffers};
+    const girih_context_desc desc = {.catalogue = variant.linear ? girih_catalogue_linear()
+                                                                 : girih_catalogue_dyadic(),
+                                     .sort = variant.sort,
+                                     .few_buffers = variant.few_buffers};
     return gpu_context(host, &desc);
 }
 
-static void barrier(VkCommandBuffer commands, VkPipelineStageFlags from_stage, VkAccessFlags from_access,
-                    VkPipelineStageFlags to_stage, VkAccessFlags to_access) {
-    const VkMemoryBarrier memory = {
-        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER, .srcAccessMask = from_access, .dstAccessMask = to_access};
+static void barrier(VkCommandBuffer commands, VkPipelineStageFlags from_stage,
+                    VkAccessFlags from_access, VkPipelineStageFlags to_stage,
+                    VkAccessFlags to_access) {
+    const VkMemoryBarrier memory = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                    .srcAccessMask = from_access,
+                                    .dstAccessMask = to_access};
     vkCmdPipelineBarrier(commands, from_stage, to_stage, 0, 1, &memory, 0, NULL, 0, NULL);
 }
 
@@ -57,8 +59,9 @@ void gpu_refine(gpu *host, girih_plan *plan, const girih_frame *frame, gpu_readb
     }
     grow(host, &readback->buffer, size, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
     VkCommandBuffer commands = gpu_begin(host);
-    barrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
-            VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT);
+    barrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+            VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
+            VK_ACCESS_TRANSFER_WRITE_BIT);
     for (int n = 0; n < OUTPUTS; ++n) {
         if (outputs[n].buffer->buffer) {
             vkCmdFillBuffer(commands, outputs[n].buffer->buffer, 0, VK_WHOLE_SIZE, 0xa5a5a5a5u);
@@ -66,7 +69,8 @@ void gpu_refine(gpu *host, girih_plan *plan, const girih_frame *frame, gpu_readb
     }
     girih_error error = {GIRIH_OK, ""};
     gpu_girih(girih_cmd_refine(plan, commands, frame, NULL, &error), &error);
-    // girih_cmd_refine ends with its writes visible to transfer reads, so nothing is waited for here.
+    // girih_cmd_refine ends with its writes visible to transfer reads, so nothing is waited for
+    // here.
     VkBufferCopy copy = {.size = plan->buffer.size};
     vkCmdCopyBuffer(commands, plan->buffer.buffer, readback->buffer.buffer, 1, &copy);
     const char *bytes = readback->buffer.mapped;
@@ -79,11 +83,12 @@ void gpu_refine(gpu *host, girih_plan *plan, const girih_frame *frame, gpu_readb
             copy.dstOffset += copy.size;
             copy.size = outputs[n].buffer->size;
             vkCmdCopyBuffer(commands, outputs[n].buffer->buffer, readback->buffer.buffer, 1, &copy);
-            readback->words[outputs[n].binding] = (const uint32_t *)(const void *)(bytes + copy.dstOffset);
+            readback->words[outputs[n].binding] =
+                (const uint32_t *)(const void *)(bytes + copy.dstOffset);
         }
     }
-    barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
-            VK_ACCESS_HOST_READ_BIT);
+    barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+            VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
     gpu_run(host, commands);
 }
 
@@ -94,34 +99,43 @@ void gpu_readback_free(gpu *host, gpu_readback *readback) {
     memset(readback->words, 0, sizeof readback->words);
 }
 
-// --- Capture ----------------------------------------------------------------------------------------
+// --- Capture
+// ----------------------------------------------------------------------------------------
 
 gpu_capture gpu_capture_open(gpu *host, const girih_context *context) {
     gpu_capture capture = {.gpu = host, .context = context};
     if (!host->transform_feedback) {
-        fprintf(stderr, "the device lacks VK_EXT_transform_feedback, which the capture of draws needs\n");
+        fprintf(stderr,
+                "the device lacks VK_EXT_transform_feedback, which the capture of draws needs\n");
         exit(1);
     }
-    capture.bind = (PFN_vkCmdBindTransformFeedbackBuffersEXT)vkGetDeviceProcAddr(host->device,
-                                                                                "vkCmdBindTransformFeedbackBuffersEXT");
-    capture.begin =
-        (PFN_vkCmdBeginTransformFeedbackEXT)vkGetDeviceProcAddr(host->device, "vkCmdBeginTransformFeedbackEXT");
-    capture.end = (PFN_vkCmdEndTransformFeedbackEXT)vkGetDeviceProcAddr(host->device, "vkCmdEndTransformFeedbackEXT");
+    capture.bind = (PFN_vkCmdBindTransformFeedbackBuffersEXT)vkGetDeviceProcAddr(
+        host->device, "vkCmdBindTransformFeedbackBuffersEXT");
+    capture.begin = (PFN_vkCmdBeginTransformFeedbackEXT)vkGetDeviceProcAddr(
+        host->device, "vkCmdBeginTransformFeedbackEXT");
+    capture.end = (PFN_vkCmdEndTransformFeedbackEXT)vkGetDeviceProcAddr(
+        host->device, "vkCmdEndTransformFeedbackEXT");
     const VkSubpassDescription subpass = {.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS};
-    const VkRenderPassCreateInfo pass = {
-        .sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO, .subpassCount = 1, .pSubpasses = &subpass};
+    const VkRenderPassCreateInfo pass = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
+                                         .subpassCount = 1,
+                                         .pSubpasses = &subpass};
     gpu_check(vkCreateRenderPass(host->device, &pass, NULL, &capture.pass), "vkCreateRenderPass");
     const VkFramebufferCreateInfo framebuffer = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
                                                  .renderPass = capture.pass,
                                                  .width = 16,
                                                  .height = 16,
                                                  .layers = 1};
-    gpu_check(vkCreateFramebuffer(host->device, &framebuffer, NULL, &capture.framebuffer), "vkCreateFramebuffer");
+    gpu_check(vkCreateFramebuffer(host->device, &framebuffer, NULL, &capture.framebuffer),
+              "vkCreateFramebuffer");
     const VkDescriptorSetLayout set = girih_context_draw_set_layout(context);
-    const VkPipelineLayoutCreateInfo layout = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, .setLayoutCount = 1, .pSetLayouts = &set};
-    gpu_check(vkCreatePipelineLayout(host->device, &layout, NULL, &capture.layout), "vkCreatePipelineLayout");
-    capture.counter = gpu_create_buffer(host, 4, VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_COUNTER_BUFFER_BIT_EXT, true);
+    const VkPipelineLayoutCreateInfo layout = {.sType =
+                                                   VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                               .setLayoutCount = 1,
+                                               .pSetLayouts = &set};
+    gpu_check(vkCreatePipelineLayout(host->device, &layout, NULL, &capture.layout),
+              "vkCreatePipelineLayout");
+    capture.counter =
+        gpu_create_buffer(host, 4, VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_COUNTER_BUFFER_BIT_EXT, true);
     return capture;
 }
 
@@ -142,22 +156,25 @@ void gpu_capture_close(gpu_capture *capture) {
 static VkPipeline create_pipeline(const gpu_capture *capture, const girih_plan *plan) {
     gpu *host = capture->gpu;
     const bool buffers = plan->mode != GIRIH_MODE_INSTANCED;
-    VkShaderModule module = buffers ? gpu_shader(host, capture_buffers, sizeof capture_buffers)
-                            : plan->surface == GIRIH_SURFACE_PN
-                                ? gpu_shader(host, capture_instanced_pn, sizeof capture_instanced_pn)
-                                : gpu_shader(host, capture_instanced_flat, sizeof capture_instanced_flat);
+    VkShaderModule module =
+        buffers ? gpu_shader(host, capture_buffers, sizeof capture_buffers)
+        : plan->surface == GIRIH_SURFACE_PN
+            ? gpu_shader(host, capture_instanced_pn, sizeof capture_instanced_pn)
+            : gpu_shader(host, capture_instanced_flat, sizeof capture_instanced_flat);
     VkPipelineVertexInputStateCreateInfo input = *girih_plan_vertex_input(plan);
     VkVertexInputAttributeDescription attributes[16];
-    memcpy(attributes, input.pVertexAttributeDescriptions, input.vertexAttributeDescriptionCount * sizeof *attributes);
+    memcpy(attributes, input.pVertexAttributeDescriptions,
+           input.vertexAttributeDescriptionCount * sizeof *attributes);
     if (buffers) {
         attributes[input.vertexAttributeDescriptionCount++] =
             (VkVertexInputAttributeDescription){2, 1, VK_FORMAT_R32G32_SFLOAT, 12};
     }
     input.pVertexAttributeDescriptions = attributes;
-    const VkPipelineShaderStageCreateInfo stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                                                   .stage = VK_SHADER_STAGE_VERTEX_BIT,
-                                                   .module = module,
-                                                   .pName = "main"};
+    const VkPipelineShaderStageCreateInfo stage = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+        .stage = VK_SHADER_STAGE_VERTEX_BIT,
+        .module = module,
+        .pName = "main"};
     const VkPipelineInputAssemblyStateCreateInfo assembly = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
         .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
@@ -165,7 +182,8 @@ static VkPipeline create_pipeline(const gpu_capture *capture, const girih_plan *
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
         .rasterizerDiscardEnable = VK_TRUE,
         .lineWidth = 1};
-    const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+    const VkGraphicsPipelineCreateInfo info = {.sType =
+                                                   VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                                .stageCount = 1,
                                                .pStages = &stage,
                                                .pVertexInputState = &input,
@@ -180,10 +198,12 @@ static VkPipeline create_pipeline(const gpu_capture *capture, const girih_plan *
     return pipeline;
 }
 
-void gpu_record_draw(gpu_capture *capture, const girih_plan *plan, VkCommandBuffer commands, uint32_t room) {
+void gpu_record_draw(gpu_capture *capture, const girih_plan *plan, VkCommandBuffer commands,
+                     uint32_t room) {
     const VkDeviceSize bytes = (VkDeviceSize)(room + 1) * 3 * GPU_CAPTURE_FLOATS * sizeof(float);
     grow(capture->gpu, &capture->corners, bytes, VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_BUFFER_BIT_EXT);
-    VkPipeline *pipeline = &capture->pipelines[plan->mode != GIRIH_MODE_INSTANCED ? 2 : (int)plan->surface];
+    VkPipeline *pipeline =
+        &capture->pipelines[plan->mode != GIRIH_MODE_INSTANCED ? 2 : (int)plan->surface];
     if (!*pipeline) {
         *pipeline = create_pipeline(capture, plan);
     }
@@ -202,7 +222,8 @@ void gpu_record_draw(gpu_capture *capture, const girih_plan *plan, VkCommandBuff
     capture->end(commands, 0, 1, &capture->counter.buffer, &zero);
     vkCmdEndRenderPass(commands);
     barrier(commands, VK_PIPELINE_STAGE_TRANSFORM_FEEDBACK_BIT_EXT,
-            VK_ACCESS_TRANSFORM_FEEDBACK_WRITE_BIT_EXT | VK_ACCESS_TRANSFORM_FEEDBACK_COUNTER_WRITE_BIT_EXT,
+            VK_ACCESS_TRANSFORM_FEEDBACK_WRITE_BIT_EXT |
+                VK_ACCESS_TRANSFORM_FEEDBACK_COUNTER_WRITE_BIT_EXT,
             VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
 }
 

@@ -1,5 +1,6 @@
-// Frames of a plan on the GPU: all that the stages wrote read back, and what a host's vertex shader sees
-// of the draw captured by transform feedback. What cannot be done prints why and exits, as gpu.h's.
+// Frames of a plan on the GPU: all that the stages wrote read back, and what a host's vertex shader
+// sees of the draw captured by transform feedback. What cannot be done prints why and exits, as
+// gpu.h's.
 #ifndef GIRIH_TEST_GPU_FRAME_H
 #define GIRIH_TEST_GPU_FRAME_H
 
@@ -8,14 +9,14 @@
 
 // What every GPU test asks of its context.
 typedef struct gpu_variant {
-    int linear;      // catalogue
+    int linear; // catalogue
     girih_sort sort;
     int few_buffers;
 } gpu_variant;
 girih_context *gpu_variant_context(gpu *gpu, gpu_variant variant);
 
-// The plan's arrays and outputs as the last gpu_refine read them: host memory, as large as the plan's
-// buffers are. Zero-initialised before the first use.
+// The plan's arrays and outputs as the last gpu_refine read them: host memory, as large as the
+// plan's buffers are. Zero-initialised before the first use.
 typedef struct gpu_readback {
     gpu_buffer buffer;
     const uint32_t *words[GIRIH_BIND_COUNT]; // from INSTANCES on; NULL where there is none
@@ -25,7 +26,8 @@ typedef struct gpu_readback {
 void gpu_refine(gpu *gpu, girih_plan *plan, const girih_frame *frame, gpu_readback *readback);
 void gpu_readback_free(gpu *gpu, gpu_readback *readback);
 
-// --- Capture: the triangles that a draw hands to the rasteriser -------------------------------------
+// --- Capture: the triangles that a draw hands to the rasteriser
+// -------------------------------------
 
 // Floats of a captured corner: position, normal, and 2 attributes.
 #define GPU_CAPTURE_FLOATS 8
@@ -48,11 +50,13 @@ typedef struct gpu_capture {
 gpu_capture gpu_capture_open(gpu *gpu, const girih_context *context);
 void gpu_capture_close(gpu_capture *capture);
 
-// Refines (unless frame is NULL) and draws all materials in order. Returns the number of triangles; their
-// corners stand in capture->corners.mapped until the next call. `room` is the most triangles there may be.
+// Refines (unless frame is NULL) and draws all materials in order. Returns the number of triangles;
+// their corners stand in capture->corners.mapped until the next call. `room` is the most triangles
+// there may be.
 uint32_t gpu_draw(gpu_capture *capture, girih_plan *plan, const girih_frame *frame, uint32_t room);
 // The same in two parts: recorded into a command buffer of the caller's, counted after it has run.
-void gpu_record_draw(gpu_capture *capture, const girih_plan *plan, VkCommandBuffer commands, uint32_t room);
+void gpu_record_draw(gpu_capture *capture, const girih_plan *plan, VkCommandBuffer commands,
+                     uint32_t room);
 uint32_t gpu_drawn(const gpu_capture *capture);
 
 #endif

@@ -1,6 +1,6 @@
 // Every stage on the GPU gives what its CPU twin gives: integers and positions bit for bit, normals
-// within 3e-7. Stages are compared in their order, each only after the one before was found equal, so
-// that a difference is blamed on the stage that made it.
+// within 3e-7. Stages are compared in their order, each only after the one before was found equal,
+// so that a difference is blamed on the stage that made it.
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -43,7 +43,8 @@ static void assert_ok(girih_result result, const girih_error *error) {
     }
 }
 
-static void assert_words(const char *name, const uint32_t *gpu_words, const uint32_t *twin, uint64_t count) {
+static void assert_words(const char *name, const uint32_t *gpu_words, const uint32_t *twin,
+                         uint64_t count) {
     words_compared += count;
     if (memcmp(gpu_words, twin, (size_t)count * sizeof *twin) == 0) {
         return;
@@ -54,9 +55,9 @@ static void assert_words(const char *name, const uint32_t *gpu_words, const uint
             first = different++ ? first : n;
         }
     }
-    fail_msg("%s: %s: %llu of %llu words differ, the first is %llu: GPU %08x, twin %08x", what, name,
-             (unsigned long long)different, (unsigned long long)count, (unsigned long long)first, gpu_words[first],
-             twin[first]);
+    fail_msg("%s: %s: %llu of %llu words differ, the first is %llu: GPU %08x, twin %08x", what,
+             name, (unsigned long long)different, (unsigned long long)count,
+             (unsigned long long)first, gpu_words[first], twin[first]);
 }
 
 static float to_float(uint32_t word) {
@@ -66,7 +67,8 @@ static float to_float(uint32_t word) {
 }
 
 // Vectors of three floats that agree within the tolerance times `size` of them.
-static void assert_near(const char *name, uint64_t number, const uint32_t *gpu_words, const uint32_t *twin, bool relative) {
+static void assert_near(const char *name, uint64_t number, const uint32_t *gpu_words,
+                        const uint32_t *twin, bool relative) {
     float size = 1.0f;
     if (relative) {
         double square = 0.0;
@@ -79,7 +81,8 @@ static void assert_near(const char *name, uint64_t number, const uint32_t *gpu_w
     for (int n = 0; n < 3; ++n) {
         const float a = to_float(gpu_words[n]), b = to_float(twin[n]);
         if (!(fabsf(a - b) <= NORMAL_TOLERANCE * size)) {
-            fail_msg("%s: %s %llu: GPU %.9g, twin %.9g", what, name, (unsigned long long)number, (double)a, (double)b);
+            fail_msg("%s: %s %llu: GPU %.9g, twin %.9g", what, name, (unsigned long long)number,
+                     (double)a, (double)b);
         }
     }
 }
@@ -88,20 +91,24 @@ static void compare_patches(const stages *twin, girih_surface surface) {
     const uint32_t *gpu_words = readback.words[GIRIH_BIND_OUT_ATTRIBUTES];
     const uint32_t *twin_words = twin->arrays.words[GIRIH_BIND_OUT_ATTRIBUTES];
     const bool pn = surface == GIRIH_SURFACE_PN;
-    const uint32_t points = pn ? 30 : 9, normals = pn ? 6 : 3, words = pn ? GIRIH_PATCH_WORDS_PN : GIRIH_PATCH_WORDS_FLAT;
+    const uint32_t points = pn ? 30 : 9, normals = pn ? 6 : 3,
+                   words = pn ? GIRIH_PATCH_WORDS_PN : GIRIH_PATCH_WORDS_FLAT;
     const uint32_t items = twin->arrays.words[GIRIH_BIND_STATUS][GIRIH_STATUS_ITEMS];
     for (uint32_t item = 0; item < items; ++item) {
-        const uint32_t *a = gpu_words + (size_t)item * words, *b = twin_words + (size_t)item * words;
+        const uint32_t *a = gpu_words + (size_t)item * words,
+                       *b = twin_words + (size_t)item * words;
         assert_words("a patch's control points", a, b, points);
         for (uint32_t n = 0; n < normals; ++n) {
-            assert_near("normal control vector of patch", item, a + points + 3 * n, b + points + 3 * n, true);
+            assert_near("normal control vector of patch", item, a + points + 3 * n,
+                        b + points + 3 * n, true);
         }
         assert_words("a patch's ids", a + points + 3 * normals, b + points + 3 * normals, 4);
     }
 }
 
 static void compare_vertices(const stages *twin, uint64_t count) {
-    assert_words("positions", readback.words[GIRIH_BIND_OUT_POSITIONS], twin->arrays.words[GIRIH_BIND_OUT_POSITIONS], 3 * count);
+    assert_words("positions", readback.words[GIRIH_BIND_OUT_POSITIONS],
+                 twin->arrays.words[GIRIH_BIND_OUT_POSITIONS], 3 * count);
     const uint32_t floats = twin->arrays.frame.attribute_floats;
     for (uint64_t n = 0; n < count; ++n) {
         const uint32_t *a = readback.words[GIRIH_BIND_OUT_ATTRIBUTES] + n * (3 + floats);
@@ -139,7 +146,8 @@ static void compare(stages *twin, const girih_plan *plan, const girih_frame *fra
     compare_array("group: items", twin, GIRIH_BIND_ITEMS, (uint64_t)items * GIRIH_ITEM_WORDS);
     if (plan->mode == GIRIH_MODE_WELDED) {
         girih_twin_weld(arrays);
-        compare_array("output: weld offsets", twin, GIRIH_BIND_WELD_OFFSETS, arrays->frame.weld_edge_count);
+        compare_array("output: weld offsets", twin, GIRIH_BIND_WELD_OFFSETS,
+                      arrays->frame.weld_edge_count);
     }
     girih_twin_dispatch(arrays);
     compare_array("dispatch: groups", twin, GIRIH_BIND_GROUPS, arrays->count[GIRIH_BIND_GROUPS]);
@@ -148,8 +156,10 @@ static void compare(stages *twin, const girih_plan *plan, const girih_frame *fra
                   (uint64_t)arrays->frame.draws_per_material * arrays->frame.material_count * 5);
 
     stages_write(twin, plan->surface);
-    const girih_statistics statistics = girih_plan_statistics(plan), expected = stages_statistics(twin);
-    assert_memory_equal(&statistics, &expected, offsetof(girih_statistics, overflow) + sizeof expected.overflow);
+    const girih_statistics statistics = girih_plan_statistics(plan),
+                           expected = stages_statistics(twin);
+    assert_memory_equal(&statistics, &expected,
+                        offsetof(girih_statistics, overflow) + sizeof expected.overflow);
     triangles_compared += statistics.output_triangles;
     if (plan->mode == GIRIH_MODE_INSTANCED) {
         compare_patches(twin, plan->surface);
@@ -157,13 +167,16 @@ static void compare(stages *twin, const girih_plan *plan, const girih_frame *fra
     }
     compare_vertices(twin, expected.output_vertices);
     if (plan->outputs & GIRIH_OUTPUT_INDICES) {
-        compare_array("output: indices", twin, GIRIH_BIND_OUT_INDICES, 3 * expected.output_triangles);
+        compare_array("output: indices", twin, GIRIH_BIND_OUT_INDICES,
+                      3 * expected.output_triangles);
     }
     if (plan->outputs & GIRIH_OUTPUT_CLOSED_INDICES) {
-        compare_array("output: closed indices", twin, GIRIH_BIND_OUT_CLOSED_INDICES, 3 * expected.output_triangles);
+        compare_array("output: closed indices", twin, GIRIH_BIND_OUT_CLOSED_INDICES,
+                      3 * expected.output_triangles);
     }
     if (plan->outputs & GIRIH_OUTPUT_SOURCES) {
-        compare_array("output: sources", twin, GIRIH_BIND_OUT_SOURCES, 2 * expected.output_triangles);
+        compare_array("output: sources", twin, GIRIH_BIND_OUT_SOURCES,
+                      2 * expected.output_triangles);
     }
 }
 
@@ -173,7 +186,9 @@ static stages pack(const girih_catalogue *catalogue, const placement *placed) {
     memset(&packed, 0, sizeof packed);
     girih_error error = {GIRIH_OK, ""};
     assert_ok(girih_pack_catalogue(&packed.arrays, catalogue, &error), &error);
-    assert_ok(girih_pack_scene(&packed.arrays, &packed.table, placed->meshes, placed->mesh_count, &error), &error);
+    assert_ok(
+        girih_pack_scene(&packed.arrays, &packed.table, placed->meshes, placed->mesh_count, &error),
+        &error);
     return packed;
 }
 
@@ -182,7 +197,8 @@ static stages begin_frame(const stages *packed, const placement *placed, girih_p
     stages twin = *packed;
     twin.shape = shape;
     girih_error error = {GIRIH_OK, ""};
-    assert_ok(girih_pack_plan(&twin.arrays, &twin.shape, &twin.table, placed->instances, placed->instance_count, &error),
+    assert_ok(girih_pack_plan(&twin.arrays, &twin.shape, &twin.table, placed->instances,
+                              placed->instance_count, &error),
               &error);
     for (uint32_t binding = GIRIH_BIND_LEVELS; binding <= GIRIH_BIND_WELD_OFFSETS; ++binding) {
         const size_t bytes = (size_t)twin.arrays.count[binding] * sizeof(uint32_t);
@@ -208,8 +224,9 @@ typedef struct setting {
 // Runs one frame on both sides, with room for a part of what it needs, in per cent.
 static void run_frame(const setting *on, girih_surface surface, girih_mode mode, uint32_t outputs,
                       const girih_frame *frame, uint32_t room) {
-    stages counted = begin_frame(&on->packed, &on->placed,
-                                 (girih_plan_shape){.mode = mode, .max_vertices = UINT32_MAX, .max_triangles = UINT32_MAX});
+    stages counted = begin_frame(
+        &on->packed, &on->placed,
+        (girih_plan_shape){.mode = mode, .max_vertices = UINT32_MAX, .max_triangles = UINT32_MAX});
     stages_frame(&counted, frame);
     stages_count(&counted, surface);
     const girih_statistics needed = stages_statistics(&counted);
@@ -221,24 +238,27 @@ static void run_frame(const setting *on, girih_surface surface, girih_mode mode,
                                   .mode = mode,
                                   .outputs = outputs,
                                   .max_vertices = (uint32_t)(needed.needed_vertices * room / 100),
-                                  .max_triangles = (uint32_t)(needed.needed_triangles * room / 100)};
+                                  .max_triangles =
+                                      (uint32_t)(needed.needed_triangles * room / 100)};
     girih_plan *plan;
     girih_error error = {GIRIH_OK, ""};
     assert_ok(girih_plan_create(on->context, &desc, &plan, &error), &error);
     gpu_refine(&device, plan, frame, &readback);
-    stages twin = begin_frame(&on->packed, &on->placed,
-                              (girih_plan_shape){.mode = mode,
-                                                 .outputs = plan->outputs,
-                                                 .max_vertices = plan->arrays.frame.max_vertices,
-                                                 .max_triangles = plan->arrays.frame.max_triangles,
-                                                 .pattern_draws = plan->arrays.frame.pattern_draws != 0,
-                                                 .serial_sort = on->context->serial_sort});
+    stages twin =
+        begin_frame(&on->packed, &on->placed,
+                    (girih_plan_shape){.mode = mode,
+                                       .outputs = plan->outputs,
+                                       .max_vertices = plan->arrays.frame.max_vertices,
+                                       .max_triangles = plan->arrays.frame.max_triangles,
+                                       .pattern_draws = plan->arrays.frame.pattern_draws != 0,
+                                       .serial_sort = on->context->serial_sort});
     compare(&twin, plan, frame);
     end_frame(&twin);
     girih_plan_destroy(plan);
 }
 
-static setting begin_setting(const girih_context *context, const girih_catalogue *catalogue, placement placed) {
+static setting begin_setting(const girih_context *context, const girih_catalogue *catalogue,
+                             placement placed) {
     return (setting){.context = context,
                      .scene = gpu_scene(&device, context, placed.meshes, placed.mesh_count),
                      .placed = placed,
@@ -252,42 +272,55 @@ static void end_setting(setting *on) {
 
 // Frames of every rule, with culling and without.
 #define FRAMES 9
-static const girih_frame frames[FRAMES] = {
-    {.rule = GIRIH_LEVEL_SEGMENTS},
-    {.rule = GIRIH_LEVEL_RANDOM, .segments = 16, .seed = 7},
-    {.rule = GIRIH_LEVEL_EDGE_LENGTH, .length = 0.11f},
-    {.rule = GIRIH_LEVEL_EDGE_PIXELS, .length = 9, .pixels_per_unit = 300, .near_distance = 0.2f, .eye = {1, 2, 5}},
-    {.rule = GIRIH_LEVEL_RANDOM,
-     .segments = 9,
-     .seed = 1234567,
-     .cull_back = 1,
-     .near_distance = 0.1f,
-     .eye = {1.5f, -0.5f, 0.75f}},
-    {.rule = GIRIH_LEVEL_EDGE_PIXELS,
-     .length = 11,
-     .pixels_per_unit = 90,
-     .eye = {0.3f, -0.2f, 1},
-     .orthographic = 1,
-     .cull_back = 1,
-     .cull_frustum = 1,
-     .planes = {{1, 0, 0, 0.6f}, {-1, 0.1f, 0, 0.7f}, {0, 1, 0, 0.8f}, {0, -1, 0, 0.5f}, {0, 0, 1, 2}, {0, 0, -2, 3}}},
-    {.rule = GIRIH_LEVEL_SEGMENTS, .segments = 5},
-    {.rule = GIRIH_LEVEL_RANDOM,
-     .segments = 40,
-     .seed = 99,
-     .cull_frustum = 1,
-     .planes = {{1, 0, 0, 0.1f}, {0, 1, 0, 0.3f}, {0, 0, 1, 1}, {-1, 0, 0, 9}, {0, -1, 0, 9}, {0, 0, -1, 9}}},
-    {.rule = GIRIH_LEVEL_EDGE_PIXELS,
-     .length = 4,
-     .pixels_per_unit = 500,
-     .near_distance = 1,
-     .eye = {0.1f, 0.1f, 0.2f},
-     .cull_back = 1}};
+static const girih_frame frames[FRAMES] = {{.rule = GIRIH_LEVEL_SEGMENTS},
+                                           {.rule = GIRIH_LEVEL_RANDOM, .segments = 16, .seed = 7},
+                                           {.rule = GIRIH_LEVEL_EDGE_LENGTH, .length = 0.11f},
+                                           {.rule = GIRIH_LEVEL_EDGE_PIXELS,
+                                            .length = 9,
+                                            .pixels_per_unit = 300,
+                                            .near_distance = 0.2f,
+                                            .eye = {1, 2, 5}},
+                                           {.rule = GIRIH_LEVEL_RANDOM,
+                                            .segments = 9,
+                                            .seed = 1234567,
+                                            .cull_back = 1,
+                                            .near_distance = 0.1f,
+                                            .eye = {1.5f, -0.5f, 0.75f}},
+                                           {.rule = GIRIH_LEVEL_EDGE_PIXELS,
+                                            .length = 11,
+                                            .pixels_per_unit = 90,
+                                            .eye = {0.3f, -0.2f, 1},
+                                            .orthographic = 1,
+                                            .cull_back = 1,
+                                            .cull_frustum = 1,
+                                            .planes = {{1, 0, 0, 0.6f},
+                                                       {-1, 0.1f, 0, 0.7f},
+                                                       {0, 1, 0, 0.8f},
+                                                       {0, -1, 0, 0.5f},
+                                                       {0, 0, 1, 2},
+                                                       {0, 0, -2, 3}}},
+                                           {.rule = GIRIH_LEVEL_SEGMENTS, .segments = 5},
+                                           {.rule = GIRIH_LEVEL_RANDOM,
+                                            .segments = 40,
+                                            .seed = 99,
+                                            .cull_frustum = 1,
+                                            .planes = {{1, 0, 0, 0.1f},
+                                                       {0, 1, 0, 0.3f},
+                                                       {0, 0, 1, 1},
+                                                       {-1, 0, 0, 9},
+                                                       {0, -1, 0, 9},
+                                                       {0, 0, -1, 9}}},
+                                           {.rule = GIRIH_LEVEL_EDGE_PIXELS,
+                                            .length = 4,
+                                            .pixels_per_unit = 500,
+                                            .near_distance = 1,
+                                            .eye = {0.1f, 0.1f, 0.2f},
+                                            .cull_back = 1}};
 
 // Outputs to choose from, by mode.
 static uint32_t choose_outputs(girih_mode mode, uint32_t turn, bool culls) {
-    static const uint32_t baked[4] = {0, GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_SOURCES, GIRIH_OUTPUT_SOURCES,
-                                      GIRIH_OUTPUT_NO_DRAW};
+    static const uint32_t baked[4] = {0, GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_SOURCES,
+                                      GIRIH_OUTPUT_SOURCES, GIRIH_OUTPUT_NO_DRAW};
     static const uint32_t instanced[2] = {0, GIRIH_OUTPUT_NO_DRAW};
     if (mode == GIRIH_MODE_INSTANCED) {
         return instanced[turn % 2];
@@ -299,17 +332,18 @@ static uint32_t choose_outputs(girih_mode mode, uint32_t turn, bool culls) {
 }
 
 static void run_variant(gpu_variant variant, uint32_t stride) {
-    const girih_catalogue *catalogue = variant.linear ? girih_catalogue_linear() : girih_catalogue_dyadic();
+    const girih_catalogue *catalogue =
+        variant.linear ? girih_catalogue_linear() : girih_catalogue_dyadic();
     girih_context *context = gpu_variant_context(&device, variant);
     uint32_t turn = (uint32_t)(variant.linear + 2 * variant.few_buffers);
     const uint64_t words_before = words_compared;
     for (uint32_t which = 0; which <= MESHES; ++which) {
         const bool all = which == MESHES;
         const placement placed = {.name = all ? "crowd" : meshes[which]->name,
-                             .mesh_count = all ? MESHES : 1,
-                             .meshes = all ? meshes : &meshes[which],
-                             .instances = all ? crowd : &once,
-                             .instance_count = all ? CROWD : 1};
+                                  .mesh_count = all ? MESHES : 1,
+                                  .meshes = all ? meshes : &meshes[which],
+                                  .instances = all ? crowd : &once,
+                                  .instance_count = all ? CROWD : 1};
         setting shared = begin_setting(context, catalogue, placed);
         for (uint32_t combination = 0; combination < 6; ++combination) {
             const girih_surface surface = combination % 2 ? GIRIH_SURFACE_PN : GIRIH_SURFACE_FLAT;
@@ -317,8 +351,10 @@ static void run_variant(gpu_variant variant, uint32_t stride) {
             for (uint32_t n = turn % stride; n < FRAMES; n += stride) {
                 const bool culls = frames[n].cull_back || frames[n].cull_frustum;
                 const uint32_t outputs = choose_outputs(mode, turn++, culls);
-                snprintf(what, sizeof what, "%s, %s, sort %d, few %d, surface %d, mode %d, outputs %u, frame %u", placed.name,
-                         variant.linear ? "linear" : "dyadic", variant.sort, variant.few_buffers, surface, mode, outputs, n);
+                snprintf(what, sizeof what,
+                         "%s, %s, sort %d, few %d, surface %d, mode %d, outputs %u, frame %u",
+                         placed.name, variant.linear ? "linear" : "dyadic", variant.sort,
+                         variant.few_buffers, surface, mode, outputs, n);
                 girih_frame frame = frames[n];
                 frame.segments = all && frame.segments > 16 ? 16 : frame.segments;
                 frame.length *= all ? 2.0f : 1.0f;
@@ -367,7 +403,8 @@ static void linear_serial_few(void **state) {
     run_variant((gpu_variant){.linear = 1, .sort = GIRIH_SORT_SERIAL, .few_buffers = 1}, 4);
 }
 
-// --- The sort alone, on keys of the test's own ---------------------------------------------------------
+// --- The sort alone, on keys of the test's own
+// ---------------------------------------------------------
 
 #define MATERIALS 64
 
@@ -392,8 +429,9 @@ static const girih_mesh *make_materials(uint32_t triangles) {
         const uint32_t first = (uint32_t)((uint64_t)triangles * n / MATERIALS);
         const uint32_t end = (uint32_t)((uint64_t)triangles * (n + 1) / MATERIALS);
         // Materials against the order of the triangles, so that the sort has them to move.
-        submeshes[n] = (girih_submesh){
-            .first_index = 3 * first, .index_count = 3 * (end - first), .material = MATERIALS - 1 - n};
+        submeshes[n] = (girih_submesh){.first_index = 3 * first,
+                                       .index_count = 3 * (end - first),
+                                       .material = MATERIALS - 1 - n};
     }
     const girih_mesh_desc desc = {.name = "materials",
                                   .vertex_count = vertices,
@@ -446,12 +484,16 @@ static void sort_keys(girih_plan *plan, key_kind kind) {
     VkCommandBuffer commands = gpu_begin(&device);
     const VkBufferCopy copy = {.dstOffset = plan->offset[GIRIH_BIND_KEYS], .size = key_bytes};
     vkCmdCopyBuffer(commands, keys.buffer, plan->buffer.buffer, 1, &copy);
-    vkCmdUpdateBuffer(commands, plan->buffer.buffer, plan->frame_offset, sizeof arrays->frame, &arrays->frame);
-    vkCmdFillBuffer(commands, plan->buffer.buffer, plan->offset[GIRIH_BIND_GROUPS], arrays->count[GIRIH_BIND_GROUPS] * 4, 0);
-    vkCmdFillBuffer(commands, plan->buffer.buffer, plan->offset[GIRIH_BIND_STATUS], arrays->count[GIRIH_BIND_STATUS] * 4, 0);
-    girih_barrier(plan->context, commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
-                  VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                  VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_UNIFORM_READ_BIT);
+    vkCmdUpdateBuffer(commands, plan->buffer.buffer, plan->frame_offset, sizeof arrays->frame,
+                      &arrays->frame);
+    vkCmdFillBuffer(commands, plan->buffer.buffer, plan->offset[GIRIH_BIND_GROUPS],
+                    arrays->count[GIRIH_BIND_GROUPS] * 4, 0);
+    vkCmdFillBuffer(commands, plan->buffer.buffer, plan->offset[GIRIH_BIND_STATUS],
+                    arrays->count[GIRIH_BIND_STATUS] * 4, 0);
+    girih_barrier(plan->context, commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                  VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                  VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
+                      VK_ACCESS_UNIFORM_READ_BIT);
     girih_bind_set(plan, commands, 0);
     girih_record_group(plan, commands);
     gpu_run(&device, commands);
@@ -467,10 +509,12 @@ static void sort_keys(girih_plan *plan, key_kind kind) {
     girih_error error = {GIRIH_OK, ""};
     assert_ok(girih_twin_group(&twin, &error), &error);
     const uint64_t item_words = (uint64_t)status[GIRIH_STATUS_ITEMS] * GIRIH_ITEM_WORDS;
-    uint32_t *words = gpu_read(&device, plan->buffer.buffer, plan->offset[GIRIH_BIND_ITEMS], item_words * 4);
+    uint32_t *words =
+        gpu_read(&device, plan->buffer.buffer, plan->offset[GIRIH_BIND_ITEMS], item_words * 4);
     assert_words("items", words, twin.words[GIRIH_BIND_ITEMS], item_words);
     free(words);
-    words = gpu_read(&device, plan->buffer.buffer, plan->offset[GIRIH_BIND_GROUPS], group_words * 4);
+    words =
+        gpu_read(&device, plan->buffer.buffer, plan->offset[GIRIH_BIND_GROUPS], group_words * 4);
     assert_words("groups", words, twin.words[GIRIH_BIND_GROUPS], group_words);
     free(words);
     words = gpu_read(&device, plan->buffer.buffer, plan->offset[GIRIH_BIND_STATUS], 4);
@@ -482,7 +526,8 @@ static void sort_keys(girih_plan *plan, key_kind kind) {
 }
 
 // Sorts `copies` instances of a mesh of `triangles` triangles.
-static void sort_triangles(const girih_context *context, uint32_t triangles, uint32_t copies, key_kind kinds) {
+static void sort_triangles(const girih_context *context, uint32_t triangles, uint32_t copies,
+                           key_kind kinds) {
     const girih_mesh *mesh = make_materials(triangles);
     assert_int_equal(mesh->triangle_count, triangles);
     girih_scene *scene = gpu_scene(&device, context, &mesh, 1);
@@ -499,9 +544,9 @@ static void sort_triangles(const girih_context *context, uint32_t triangles, uin
     assert_ok(girih_plan_create(context, &desc, &plan, &error), &error);
     free(instances);
     for (key_kind kind = KEYS_RANDOM; kind < kinds; ++kind) {
-        snprintf(what, sizeof what, "%u triangles, %u groups, sort %s, few %d, keys %d", triangles * copies,
-                 plan->arrays.frame.group_count, context->serial_sort ? "serial" : "workgroup", context->few_buffers,
-                 (int)kind);
+        snprintf(what, sizeof what, "%u triangles, %u groups, sort %s, few %d, keys %d",
+                 triangles * copies, plan->arrays.frame.group_count,
+                 context->serial_sort ? "serial" : "workgroup", context->few_buffers, (int)kind);
         sort_keys(plan, kind);
     }
     girih_plan_destroy(plan);
@@ -543,7 +588,8 @@ static void many_groups(void **state) {
     (void)state;
     girih_context *context = gpu_variant_context(&device, (gpu_variant){.linear = 1});
     const girih_mesh *mesh = make_materials(300000);
-    const placement placed = {.mesh_count = 1, .meshes = &mesh, .instances = &once, .instance_count = 1};
+    const placement placed = {
+        .mesh_count = 1, .meshes = &mesh, .instances = &once, .instance_count = 1};
     setting shared = begin_setting(context, girih_catalogue_linear(), placed);
     snprintf(what, sizeof what, "many groups");
     run_frame(&shared, GIRIH_SURFACE_FLAT, GIRIH_MODE_INSTANCED, 0, &frames[1], 100);
@@ -595,19 +641,19 @@ int main(void) {
     meshes[8] = make_soup(67, 0, 6);
     place_crowd();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(dyadic_serial),        cmocka_unit_test(linear_workgroup_few),
-        cmocka_unit_test(linear_serial),        cmocka_unit_test(dyadic_workgroup_few),
-        cmocka_unit_test(dyadic_workgroup),     cmocka_unit_test(linear_serial_few),
-        cmocka_unit_test(group_serial),         cmocka_unit_test(group_workgroup),
-        cmocka_unit_test(group_few_buffers),    cmocka_unit_test(many_groups),
+        cmocka_unit_test(dyadic_serial),     cmocka_unit_test(linear_workgroup_few),
+        cmocka_unit_test(linear_serial),     cmocka_unit_test(dyadic_workgroup_few),
+        cmocka_unit_test(dyadic_workgroup),  cmocka_unit_test(linear_serial_few),
+        cmocka_unit_test(group_serial),      cmocka_unit_test(group_workgroup),
+        cmocka_unit_test(group_few_buffers), cmocka_unit_test(many_groups),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     for (int n = 0; n < MESHES; ++n) {
         girih_mesh_destroy(meshes[n]);
     }
     gpu_readback_free(&device, &readback);
-    print_message("%llu words of %llu output triangles compared\n", (unsigned long long)words_compared,
-                  (unsigned long long)triangles_compared);
+    print_message("%llu words of %llu output triangles compared\n",
+                  (unsigned long long)words_compared, (unsigned long long)triangles_compared);
     failed += words_compared == 0;
     if (failed) {
         return 1; // what a failed test left open would only hide why it failed

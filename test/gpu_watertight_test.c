@@ -1,6 +1,7 @@
-// Watertight by bits, whatever the levels: closed meshes with seams, hard edges and negative zeros, more
-// than a thousand random level sets, every mode. What is checked is what the rasteriser would get: the
-// corners of all triangles as a host's vertex shader hands them on, captured by transform feedback.
+// Watertight by bits, whatever the levels: closed meshes with seams, hard edges and negative zeros,
+// more than a thousand random level sets, every mode. What is checked is what the rasteriser would
+// get: the corners of all triangles as a host's vertex shader hands them on, captured by transform
+// feedback.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -39,7 +40,8 @@ static void assert_ok(girih_result result, const girih_error *error) {
     }
 }
 
-// --- Points by their bits -----------------------------------------------------------------------------
+// --- Points by their bits
+// -----------------------------------------------------------------------------
 
 typedef struct points {
     size_t size;       // a power of two
@@ -55,7 +57,8 @@ static uint32_t *find_point(const points *p, const float position[3]) {
     hash = (hash ^ hash >> 29 ^ words[1]) * UINT64_C(0xc2b2ae3d27d4eb4f);
     hash = (hash ^ hash >> 29 ^ words[2]) * UINT64_C(0x165667b19e3779f9);
     size_t slot = (hash >> 24) & (p->size - 1);
-    while (p->numbers[slot] && memcmp(p->positions[p->numbers[slot] - 1], position, sizeof words) != 0) {
+    while (p->numbers[slot] &&
+           memcmp(p->positions[p->numbers[slot] - 1], position, sizeof words) != 0) {
         slot = (slot + 1) & (p->size - 1);
     }
     return &p->numbers[slot];
@@ -86,24 +89,27 @@ static void end_points(points *p) {
     free(p->positions);
 }
 
-// --- One level set ------------------------------------------------------------------------------------
+// --- One level set
+// ------------------------------------------------------------------------------------
 
 // What is refined, and how the captured corners must look.
-typedef struct body {
+typedef struct solid {
     const girih_mesh *mesh;
     const float *transform;
-} body;
+} solid;
 
 // As the shaders sum it.
 static void transform_point(const float t[12], const float p[3], float result[3]) {
     for (int n = 0; n < 3; ++n) {
-        const float sum = ((t[4 * n] * p[0] + t[4 * n + 1] * p[1]) + t[4 * n + 2] * p[2]) + t[4 * n + 3];
+        const float sum =
+            ((t[4 * n] * p[0] + t[4 * n + 1] * p[1]) + t[4 * n + 2] * p[2]) + t[4 * n + 3];
         result[n] = sum == 0.0f ? 0.0f : sum;
     }
 }
 
-// Closed, each edge used twice in opposite directions, outside out, and the input's corners in place.
-static void check_closed(const body *body, const float *corners, uint32_t count) {
+// Closed, each edge used twice in opposite directions, outside out, and the input's corners in
+// place.
+static void check_closed(const solid *body, const float *corners, uint32_t count) {
     points p = begin_points(3 * count);
     uint32_t *indices = malloc((3 * (size_t)count + 1) * sizeof *indices);
     assert_non_null(indices);
@@ -115,17 +121,21 @@ static void check_closed(const body *body, const float *corners, uint32_t count)
         double v[3][3];
         for (int corner = 0; corner < 3; ++corner) {
             for (int axis = 0; axis < 3; ++axis) {
-                v[corner][axis] = (double)p.positions[indices[3 * n + (uint32_t)corner]][axis] - (double)body->transform[4 * axis + 3];
+                v[corner][axis] = (double)p.positions[indices[3 * n + (uint32_t)corner]][axis] -
+                                  (double)body->transform[4 * axis + 3];
             }
         }
-        volume += v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) + v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
+        volume += v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) +
+                  v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
                   v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
     }
     const edge_audit audit = audit_indices(indices, count);
-    if (audit.open || audit.nonmanifold || audit.flipped || audit.degenerate || 2 * audit.edges != 3 * (uint64_t)count) {
-        fail_msg("%s: of %u triangles %llu open, %llu non-manifold, %llu flipped edges, %llu degenerate", what, count,
-                 (unsigned long long)audit.open, (unsigned long long)audit.nonmanifold, (unsigned long long)audit.flipped,
-                 (unsigned long long)audit.degenerate);
+    if (audit.open || audit.nonmanifold || audit.flipped || audit.degenerate ||
+        2 * audit.edges != 3 * (uint64_t)count) {
+        fail_msg(
+            "%s: of %u triangles %llu open, %llu non-manifold, %llu flipped edges, %llu degenerate",
+            what, count, (unsigned long long)audit.open, (unsigned long long)audit.nonmanifold,
+            (unsigned long long)audit.flipped, (unsigned long long)audit.degenerate);
     }
     if (!(volume > 0.01)) {
         fail_msg("%s: turned inside out, 6 times the volume is %g", what, volume);
@@ -142,8 +152,8 @@ static void check_closed(const body *body, const float *corners, uint32_t count)
     end_points(&p);
 }
 
-static void assert_same_corners(const char *mode, const float *corners, uint32_t count, const float *other,
-                                uint32_t other_count) {
+static void assert_same_corners(const char *mode, const float *corners, uint32_t count,
+                                const float *other, uint32_t other_count) {
     if (count != other_count) {
         fail_msg("%s: %u triangles, %s %u", what, count, mode, other_count);
     }
@@ -153,38 +163,44 @@ static void assert_same_corners(const char *mode, const float *corners, uint32_t
             for (size_t f = first; f < first + GPU_CAPTURE_FLOATS; ++f) {
                 print_error("%.9g %.9g\n", (double)corners[f], (double)other[f]);
             }
-            fail_msg("%s: %s differs at corner %u of triangle %u of %u", what, mode, n % 3, n / 3, count);
+            fail_msg("%s: %s differs at corner %u of triangle %u of %u", what, mode, n % 3, n / 3,
+                     count);
         }
     }
 }
 
 // The same through the output buffers and a list of indices.
-static void assert_same_buffers(const char *mode, const float *corners, uint32_t count, const gpu_readback *read,
-                                uint32_t list) {
+static void assert_same_buffers(const char *mode, const float *corners, uint32_t count,
+                                const gpu_readback *read, uint32_t list) {
     const uint32_t *indices = read->words[list];
     const bool by_position = list == GIRIH_BIND_OUT_CLOSED_INDICES;
     for (uint32_t n = 0; n < 3 * count; ++n) {
         const float *corner = corners + (size_t)n * GPU_CAPTURE_FLOATS;
         const uint32_t *position = read->words[GIRIH_BIND_OUT_POSITIONS] + 3 * (size_t)indices[n];
-        const uint32_t *attributes = read->words[GIRIH_BIND_OUT_ATTRIBUTES] + 5 * (size_t)indices[n];
-        if (memcmp(corner, position, 12) != 0 || (!by_position && memcmp(corner + 3, attributes, 20) != 0)) {
-            fail_msg("%s: %s: index %u of triangle %u names another vertex than the draw", what, mode, n % 3, n / 3);
+        const uint32_t *attributes =
+            read->words[GIRIH_BIND_OUT_ATTRIBUTES] + 5 * (size_t)indices[n];
+        if (memcmp(corner, position, 12) != 0 ||
+            (!by_position && memcmp(corner + 3, attributes, 20) != 0)) {
+            fail_msg("%s: %s: index %u of triangle %u names another vertex than the draw", what,
+                     mode, n % 3, n / 3);
         }
     }
 }
 
-// --- Plans in every mode ----------------------------------------------------------------------------------
+// --- Plans in every mode
+// ----------------------------------------------------------------------------------
 
 enum { INSTANCED, BAKED, BAKED_INDICES, WELDED, PLANS };
 
 typedef struct refiner {
     gpu_capture *capture;
-    body body;
+    solid body;
     girih_plan *plans[PLANS]; // the instanced one is NULL where the device cannot
     uint32_t room;
 } refiner;
 
-static refiner begin_refiner(gpu_capture *capture, girih_scene *scene, body body, girih_surface surface, uint32_t segments) {
+static refiner begin_refiner(gpu_capture *capture, girih_scene *scene, solid body,
+                             girih_surface surface, uint32_t segments) {
     static const struct {
         girih_mode mode;
         uint32_t outputs;
@@ -192,7 +208,8 @@ static refiner begin_refiner(gpu_capture *capture, girih_scene *scene, body body
                       {GIRIH_MODE_BAKED, 0},
                       {GIRIH_MODE_BAKED, GIRIH_OUTPUT_INDICES},
                       {GIRIH_MODE_WELDED, GIRIH_OUTPUT_CLOSED_INDICES | GIRIH_OUTPUT_SOURCES}};
-    refiner r = {.capture = capture, .body = body, .room = body.mesh->triangle_count * segments * segments};
+    refiner r = {
+        .capture = capture, .body = body, .room = body.mesh->triangle_count * segments * segments};
     girih_instance instance = {0};
     memcpy(instance.transform, body.transform, sizeof instance.transform);
     for (int n = 0; n < PLANS; ++n) {
@@ -205,7 +222,8 @@ static refiner begin_refiner(gpu_capture *capture, girih_scene *scene, body body
                                       .surface = surface,
                                       .mode = kinds[n].mode,
                                       .outputs = kinds[n].outputs,
-                                      .max_vertices = body.mesh->triangle_count * (segments + 1) * (segments + 2) / 2,
+                                      .max_vertices = body.mesh->triangle_count * (segments + 1) *
+                                                      (segments + 2) / 2,
                                       .max_triangles = r.room};
         girih_error error = {GIRIH_OK, ""};
         assert_ok(girih_plan_create(capture->context, &desc, &r.plans[n], &error), &error);
@@ -251,11 +269,12 @@ static void check_level_set(refiner *r, const girih_frame *frame, gpu_readback *
         }
         if (n == WELDED) {
             const uint32_t *closed = read->words[GIRIH_BIND_OUT_CLOSED_INDICES];
-            assert_same_buffers("closed indices", corners, count, read, GIRIH_BIND_OUT_CLOSED_INDICES);
+            assert_same_buffers("closed indices", corners, count, read,
+                                GIRIH_BIND_OUT_CLOSED_INDICES);
             const edge_audit audit = audit_indices(closed, count);
             if (2 * audit.edges != 3 * (uint64_t)count) {
-                fail_msg("%s: closed indices: %llu of %u edges are used twice", what, (unsigned long long)audit.edges,
-                         3 * count / 2);
+                fail_msg("%s: closed indices: %llu of %u edges are used twice", what,
+                         (unsigned long long)audit.edges, 3 * count / 2);
             }
         }
         triangles_checked += count;
@@ -272,14 +291,17 @@ static void check_variant(gpu *host, gpu_variant variant, uint32_t sets, unsigne
         girih_scene *scene = gpu_scene(host, context, &meshes[mesh], 1);
         for (int surface = GIRIH_SURFACE_FLAT; surface <= GIRIH_SURFACE_PN; ++surface) {
             for (int transform = 0; transform < TRANSFORMS; ++transform) {
-                refiner r = begin_refiner(&capture, scene, (body){meshes[mesh], transforms[transform]},
-                                          (girih_surface)surface, MAX_SEGMENTS);
+                refiner r =
+                    begin_refiner(&capture, scene, (solid){meshes[mesh], transforms[transform]},
+                                  (girih_surface)surface, MAX_SEGMENTS);
                 for (uint32_t n = 0; n < sets; ++n) {
                     const girih_frame frame = {.rule = GIRIH_LEVEL_RANDOM,
                                                .segments = 1 + *counter % MAX_SEGMENTS,
                                                .seed = 1000003u * ++*counter};
-                    snprintf(what, sizeof what, "%s, surface %d, transform %d, %s, sort %d, few %d, random:%u:%u",
-                             meshes[mesh]->name, surface, transform, variant.linear ? "linear" : "dyadic", variant.sort,
+                    snprintf(what, sizeof what,
+                             "%s, surface %d, transform %d, %s, sort %d, few %d, random:%u:%u",
+                             meshes[mesh]->name, surface, transform,
+                             variant.linear ? "linear" : "dyadic", variant.sort,
                              variant.few_buffers, frame.seed, frame.segments);
                     check_level_set(&r, &frame, &read);
                 }
@@ -297,37 +319,47 @@ static void check_variant(gpu *host, gpu_variant variant, uint32_t sets, unsigne
 
 static void dyadic_serial(void **state) {
     (void)state;
-    check_variant(&device, (gpu_variant){.linear = 0, .sort = GIRIH_SORT_SERIAL}, SETS, &level_sets);
+    check_variant(&device, (gpu_variant){.linear = 0, .sort = GIRIH_SORT_SERIAL}, SETS,
+                  &level_sets);
 }
 
 static void dyadic_workgroup_few(void **state) {
     (void)state;
-    check_variant(&device, (gpu_variant){.linear = 0, .sort = GIRIH_SORT_WORKGROUP, .few_buffers = 1}, SETS, &level_sets);
+    check_variant(&device,
+                  (gpu_variant){.linear = 0, .sort = GIRIH_SORT_WORKGROUP, .few_buffers = 1}, SETS,
+                  &level_sets);
 }
 
 static void linear_workgroup(void **state) {
     (void)state;
-    check_variant(&device, (gpu_variant){.linear = 1, .sort = GIRIH_SORT_WORKGROUP}, SETS, &level_sets);
+    check_variant(&device, (gpu_variant){.linear = 1, .sort = GIRIH_SORT_WORKGROUP}, SETS,
+                  &level_sets);
 }
 
 static void linear_serial_few(void **state) {
     (void)state;
-    check_variant(&device, (gpu_variant){.linear = 1, .sort = GIRIH_SORT_SERIAL, .few_buffers = 1}, SETS, &level_sets);
+    check_variant(&device, (gpu_variant){.linear = 1, .sort = GIRIH_SORT_SERIAL, .few_buffers = 1},
+                  SETS, &level_sets);
 }
 
-// Without any optional feature: baked and welded, one indirect draw a material, 4 storage buffers a stage.
+// Without any optional feature: baked and welded, one indirect draw a material, 4 storage buffers a
+// stage.
 static void features_masked_off(void **state) {
     (void)state;
-    assert_false(plainest.features.multiDrawIndirect || plainest.features.drawIndirectFirstInstance);
-    check_variant(&plainest, (gpu_variant){.linear = 0, .sort = GIRIH_SORT_AUTO, .few_buffers = 1}, 4, &masked_sets);
+    assert_false(plainest.features.multiDrawIndirect ||
+                 plainest.features.drawIndirectFirstInstance);
+    check_variant(&plainest, (gpu_variant){.linear = 0, .sort = GIRIH_SORT_AUTO, .few_buffers = 1},
+                  4, &masked_sets);
     check_variant(&plainest, (gpu_variant){.linear = 1, .sort = GIRIH_SORT_AUTO}, 4, &masked_sets);
     assert_true(masked_sets > 100);
 }
 
 static void enough(void **state) {
     (void)state;
-    print_message("%u level sets in 4 draws each and %u with all features off: %llu triangles, %llu edges closed\n", level_sets,
-                  masked_sets, (unsigned long long)triangles_checked, (unsigned long long)edges_checked);
+    print_message("%u level sets in 4 draws each and %u with all features off: %llu triangles, "
+                  "%llu edges closed\n",
+                  level_sets, masked_sets, (unsigned long long)triangles_checked,
+                  (unsigned long long)edges_checked);
     assert_true(level_sets >= 1000);
     assert_true(edges_checked > 1000000);
 }
@@ -340,8 +372,9 @@ int main(void) {
     meshes[1] = make_cube(1);
     meshes[2] = make_torus(9, 4);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(dyadic_serial),     cmocka_unit_test(dyadic_workgroup_few), cmocka_unit_test(linear_workgroup),
-        cmocka_unit_test(linear_serial_few), cmocka_unit_test(features_masked_off),  cmocka_unit_test(enough),
+        cmocka_unit_test(dyadic_serial),       cmocka_unit_test(dyadic_workgroup_few),
+        cmocka_unit_test(linear_workgroup),    cmocka_unit_test(linear_serial_few),
+        cmocka_unit_test(features_masked_off), cmocka_unit_test(enough),
     };
     if (cmocka_run_group_tests(tests, NULL, NULL)) {
         return 1; // what a failed test left open would only hide why it failed
