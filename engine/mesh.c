@@ -10,7 +10,6 @@
 #include "mesh_topology.h"
 
 // Beyond it 0 * x could become 0 * infinity, and a square times a square would leave the floats.
-#define LARGEST_COORDINATE 1e15f
 
 // Three half-edges a triangle must leave bit 31 free in a weld edge's number.
 #define MOST_TRIANGLES (UINT32_C(1) << 29)
@@ -144,7 +143,7 @@ static girih_result check_positions(const girih_mesh_desc *desc, girih_error *er
         float position[3];
         memcpy(position, (const char *)desc->positions + vertex * stride, sizeof position);
         for (int axis = 0; axis < 3; ++axis) {
-            if (!is_finite(position[axis]) || fabsf(position[axis]) > LARGEST_COORDINATE) {
+            if (!is_finite(position[axis]) || fabsf(position[axis]) > GIRIH_MAX_COORDINATE) {
                 return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
                                   NAMED "vertex %" PRIu32 ": position %c is %g; coordinates must "
                                         "be finite and not beyond 1e15",

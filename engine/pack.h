@@ -10,10 +10,6 @@
 // their marks (GIRIH_EDGE_MASK).
 #define GIRIH_MAX_COUNT (UINT64_C(1) << 30)
 
-// The largest magnitude of a coordinate or a transform's element; beyond it products could overflow
-// and an infinity times 0 would tear edges apart.
-#define GIRIH_MAX_COORDINATE 1e15f
-
 // Gives a binding count words of zero, one at least so that it can be bound.
 girih_result girih_allocate_words(girih_arrays *arrays, uint32_t binding, uint64_t count,
                                   girih_error *error);

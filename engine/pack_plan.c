@@ -11,7 +11,6 @@
 #define MIN_SORT_BLOCK 128u
 // As many blocks as keep all lanes of a device busy in the sort where one lane walks a block.
 #define SORT_BLOCKS_WANTED 512u
-#define DRAW_WORDS 5u // VkDrawIndexedIndirectCommand
 #define MAX_INSTANCES (UINT32_MAX / GIRIH_INSTANCE_WORDS - 1)
 
 // --- Transforms --------------------------------------------------------------------------------
@@ -217,7 +216,7 @@ static girih_result choose_draws(girih_frame_block *frame, const girih_plan_shap
         // Full draws and one that is not full a range: pack_catalogue.c tells why these suffice.
         draws = ranges + frame->max_triangles / (GIRIH_DRAW_TRIANGLES / 2);
     }
-    *words = draws * materials * DRAW_WORDS;
+    *words = draws * materials * GIRIH_DRAW_WORDS;
     if (*words > UINT32_MAX) {
         return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
                           "plan: %" PRIu64 " draws for each of %" PRIu64

@@ -194,7 +194,7 @@ void main() {
         }
         if (frame.output_mode == GIRIH_OUTPUT_INSTANCED && frame.draws_per_material != 0u) {
             bool mirror = range != girih_pattern(rank, GIRIH_PATTERN_RANGE);
-            uint draw = group * 5u;
+            uint draw = group * GIRIH_DRAW_WORDS;
             DRAWS(draw) = 3u * girih_pattern(rank, GIRIH_PATTERN_TRIANGLES);
             DRAWS(draw + 1u) = count;
             DRAWS(draw + 2u) = girih_pattern(rank, mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
@@ -294,8 +294,8 @@ void main() {
         arguments[2] = girih_pattern(rank, mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
         arguments[3] = GROUPS(word + GIRIH_GROUP_FIRST_VERTEX) + first * girih_pattern(rank, GIRIH_PATTERN_VERTICES);
     }
-    for (uint n = 0u; n < 5u; ++n) {
-        DRAWS(slot * 5u + n) = arguments[n];
+    for (uint n = 0u; n < GIRIH_DRAW_WORDS; ++n) {
+        DRAWS(slot * GIRIH_DRAW_WORDS + n) = arguments[n];
     }
 }
 

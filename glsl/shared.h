@@ -99,6 +99,7 @@
 #define GIRIH_PATTERN_CHUNKS 10        // invocations that share one triangle's vertices
 
 #define GIRIH_CHUNK_VERTICES 256u      // vertices an invocation evaluates at most
+#define GIRIH_DRAW_WORDS 5u            // VkDrawIndexedIndirectCommand
 #define GIRIH_DRAW_TRIANGLES 4096u     // triangles a baked draw's replicas hold at most, if more than one
 
 // --- Sorting --------------------------------------------------------------------------------------

@@ -5,8 +5,6 @@
 
 #include "scene.h"
 
-#define DRAW_WORDS 5
-
 typedef struct span {
     uint32_t first, end;
 } span;
@@ -93,7 +91,7 @@ static sums sum_groups(const girih_arrays *arrays, bool level0) {
 static void write_instanced_draw(girih_arrays *arrays, uint32_t group, uint32_t rank, span items) {
     const bool mirror =
         group % arrays->frame.range_count != girih_pattern(arrays, rank, GIRIH_PATTERN_RANGE);
-    uint32_t *draw = arrays->words[GIRIH_BIND_DRAWS] + (size_t)group * DRAW_WORDS;
+    uint32_t *draw = arrays->words[GIRIH_BIND_DRAWS] + (size_t)group * GIRIH_DRAW_WORDS;
     draw[0] = 3 * girih_pattern(arrays, rank, GIRIH_PATTERN_TRIANGLES);
     draw[1] = items.end - items.first;
     draw[2] = girih_pattern(arrays, rank,
@@ -195,8 +193,8 @@ static void write_baked_draw(girih_arrays *arrays, uint32_t slot) {
     uint32_t high = low + frame->range_count;
     const uint32_t draw = girih_group_word(arrays, low, GIRIH_GROUP_FIRST_DRAW) +
                           slot % frame->draws_per_material;
-    uint32_t *arguments = arrays->words[GIRIH_BIND_DRAWS] + (size_t)slot * DRAW_WORDS;
-    memset(arguments, 0, DRAW_WORDS * sizeof *arguments);
+    uint32_t *arguments = arrays->words[GIRIH_BIND_DRAWS] + (size_t)slot * GIRIH_DRAW_WORDS;
+    memset(arguments, 0, GIRIH_DRAW_WORDS * sizeof *arguments);
     if (frame->pattern_draws == 0) {
         const uint32_t first = girih_group_word(arrays, low, GIRIH_GROUP_FIRST_TRIANGLE);
         const uint32_t end = girih_group_word(arrays, high, GIRIH_GROUP_FIRST_TRIANGLE);

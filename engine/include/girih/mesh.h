@@ -21,6 +21,10 @@ typedef struct girih_submesh {
 
 #define GIRIH_MAX_MATERIALS 65536u
 
+// The largest magnitude of a coordinate or a transform's element; beyond it products could overflow,
+// and an infinity times 0 would tear edges apart.
+#define GIRIH_MAX_COORDINATE 1e15f
+
 // How normals are made where a mesh comes without.
 typedef enum girih_missing_normals {
     GIRIH_NORMALS_SMOOTH = 0, // angle-weighted over welded positions, split at creases
