@@ -63,6 +63,8 @@ static void timestamp(const girih_plan *plan, VkCommandBuffer commands,
                                             n == 0 ? VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT
                                                    : VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                                             timestamps->pool, timestamps->first + n);
+        // lavapipe takes a timestamp only when something after it has to wait.
+        girih_compute_barrier(plan->context, commands);
     }
 }
 
