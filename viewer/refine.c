@@ -132,8 +132,7 @@ static girih_result refine_on_cpu(session *s, girih_error *error) {
     girih_report_progress("refining");
     double start = girih_seconds();
     girih_result result = girih_cpu_refine(&desc, &s->frame, &s->output, error);
-    s->times = girih_no_times;
-    s->times.wall = (girih_seconds() - start) * 1e3;
+    s->times = girih_cpu_stage_times(&s->output, (girih_seconds() - start) * 1e3);
     snprintf(s->device, sizeof s->device, "CPU");
     return result;
 }

@@ -139,3 +139,14 @@ girih_result girih_refinement_run(girih_refinement *refinement, const girih_refi
     girih_report_progress(NULL);
     return result;
 }
+
+girih_stage_times girih_cpu_stage_times(const girih_cpu_output *output, double wall) {
+    girih_stage_times times = girih_no_times;
+    times.levels = output->times.levels;
+    times.select = output->times.select;
+    times.group = output->times.group;
+    times.dispatch = output->times.dispatch;
+    times.evaluate = output->times.evaluate;
+    times.wall = wall;
+    return times;
+}

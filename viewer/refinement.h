@@ -3,6 +3,7 @@
 #define GIRIH_VIEWER_REFINEMENT_H
 
 #include "device.h"
+#include "girih/cpu.h"
 #include "report.h"
 
 typedef struct girih_refinement_desc {
@@ -30,5 +31,8 @@ girih_result girih_refinement_run(girih_refinement *refinement, const girih_refi
 girih_result girih_refinement_scene(girih_device *device, const girih_context *context,
                                     const girih_mesh *const *meshes, uint32_t mesh_count,
                                     girih_scene **scene, girih_error *error);
+
+// The times of girih_cpu_refine, which took `wall` milliseconds in all.
+girih_stage_times girih_cpu_stage_times(const girih_cpu_output *output, double wall);
 
 #endif

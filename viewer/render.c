@@ -245,8 +245,7 @@ static girih_result refine_on_cpu(session *s, uint32_t number, girih_surface sur
     if (result != GIRIH_OK) {
         return result;
     }
-    s->times = girih_no_times;
-    s->times.wall = (girih_seconds() - start) * 1e3;
+    s->times = girih_cpu_stage_times(output, (girih_seconds() - start) * 1e3);
     s->statistics = output->statistics;
     VkDeviceSize vertices = output->statistics.output_vertices;
     girih_device_buffer *buffers = s->buffers[number];

@@ -3,6 +3,7 @@
 
 #include <inttypes.h>
 #include <string.h>
+#include <time.h>
 
 #include "../arrays.h"
 #include "../error.h"
@@ -34,13 +35,26 @@ static girih_result check(const girih_cpu_desc *desc, const girih_frame *frame,
     return GIRIH_OK;
 }
 
+static double milliseconds(void) {
+    struct timespec now;
+    timespec_get(&now, TIME_UTC);
+    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
+// The time since *begin, which becomes now.
+static double lap(double *begin) {
+    const double before = *begin;
+    *begin = milliseconds();
+    return *begin - before;
+}
+
 // Everything up to the counts of the output.
 static girih_result count_output(girih_arrays *arrays, const girih_cpu_desc *desc,
-                                 const girih_frame *frame, girih_error *error) {
+                                 const girih_frame *frame, girih_cpu_times *times,
+                                 girih_error *error) {
     girih_scene_table table;
-    girih_result result =
-        girih_pack_catalogue(arrays, desc->catalogue ? desc->catalogue : girih_catalogue_dyadic(),
-                             error);
+    girih_result result = girih_pack_catalogue(
+        arrays, desc->catalogue ? desc->catalogue : girih_catalogue_dyadic(), error);
     if (result == GIRIH_OK) {
         result = girih_pack_scene(arrays, &table, desc->meshes, desc->mesh_count, error);
     }
@@ -74,14 +88,19 @@ static girih_result count_output(girih_arrays *arrays, const girih_cpu_desc *des
     if (result != GIRIH_OK) {
         return result;
     }
+    double begin = milliseconds();
     girih_twin_levels(arrays);
+    times->levels = lap(&begin);
     girih_twin_select(arrays, desc->surface);
+    times->select = lap(&begin);
     result = girih_twin_group(arrays, error);
+    times->group = lap(&begin);
     if (result == GIRIH_OK) {
         if (shape.mode == GIRIH_MODE_WELDED) {
             girih_twin_weld(arrays);
         }
         girih_twin_dispatch(arrays);
+        times->dispatch = lap(&begin);
     }
     return result;
 }
@@ -102,8 +121,7 @@ static girih_result check_counts(const girih_cpu_desc *desc, const girih_statist
 }
 
 static girih_result allocate(void *memory, uint64_t count, size_t size, girih_error *error) {
-    void *allocated =
-        count <= SIZE_MAX ? girih_allocate_array((size_t)count, size) : NULL;
+    void *allocated = count <= SIZE_MAX ? girih_allocate_array((size_t)count, size) : NULL;
     memcpy(memory, &allocated, sizeof allocated);
     return allocated
                ? GIRIH_OK
@@ -151,7 +169,7 @@ girih_result girih_cpu_refine(const girih_cpu_desc *desc, const girih_frame *fra
     girih_arrays arrays = {.frame = {.instance_count = 0}};
     girih_result result = check(desc, frame, error);
     if (result == GIRIH_OK) {
-        result = count_output(&arrays, desc, frame, error);
+        result = count_output(&arrays, desc, frame, &refined.times, error);
     }
     if (result == GIRIH_OK) {
         refined.statistics = girih_read_status(&arrays.frame, arrays.words[GIRIH_BIND_STATUS]);
@@ -168,8 +186,10 @@ girih_result girih_cpu_refine(const girih_cpu_desc *desc, const girih_frame *fra
         arrays.words[GIRIH_BIND_OUT_INDICES] = refined.indices;
         arrays.words[GIRIH_BIND_OUT_CLOSED_INDICES] = refined.closed_indices;
         arrays.words[GIRIH_BIND_OUT_SOURCES] = refined.sources;
+        double begin = milliseconds();
         girih_twin_evaluate(&arrays, desc->surface);
         girih_twin_output(&arrays, desc->outputs | GIRIH_OUTPUT_INDICES);
+        refined.times.evaluate = lap(&begin);
         memcpy(refined.material_first,
                arrays.words[GIRIH_BIND_STATUS] + GIRIH_STATUS_WORDS + arrays.frame.pattern_count,
                ((size_t)refined.material_count + 1) * sizeof(uint32_t));

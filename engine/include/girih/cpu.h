@@ -22,6 +22,11 @@ typedef struct girih_cpu_desc {
     uint64_t max_vertices, max_triangles; // 0: as many as needed
 } girih_cpu_desc;
 
+// Wall time of the stages, in milliseconds; evaluate and output together.
+typedef struct girih_cpu_times {
+    double levels, select, group, dispatch, evaluate;
+} girih_cpu_times;
+
 // The output, as in girih_plan_buffers. Owned by the caller: girih_cpu_output_free.
 typedef struct girih_cpu_output {
     float *positions;         // [output_vertices][3]
@@ -33,6 +38,7 @@ typedef struct girih_cpu_output {
     uint32_t *material_first; // [material_count + 1] first output triangle
     uint32_t attribute_floats;
     girih_statistics statistics;
+    girih_cpu_times times;
 } girih_cpu_output;
 
 // Refines a scene on the calling thread. Thread-safe.
