@@ -9,7 +9,7 @@
 #include "error.h"
 
 typedef struct angles {
-    double mean;  // of the smallest angles of all triangles
+    double mean;  // of the patterns' smallest angles
     double worst; // the smallest angle of all
     const girih_base_pattern *worst_pattern;
 } angles;
@@ -56,6 +56,7 @@ static angles measure(const girih_catalogue *catalogue) {
     for (uint32_t rank = 0; rank < catalogue->pattern_count; rank++) {
         const girih_base_pattern *pattern = girih_catalogue_pattern(catalogue, rank);
         const uint32_t *vertices = girih_catalogue_vertices(catalogue, pattern);
+        double smallest = 360;
         for (uint32_t n = 0; n < pattern->triangle_count; n++) {
             uint32_t corners[3];
             for (uint32_t corner = 0; corner < 3; corner++) {
@@ -63,21 +64,32 @@ static angles measure(const girih_catalogue *catalogue) {
                     vertices[girih_catalogue_index(catalogue, pattern, 3 * n + corner)];
             }
             double angle = smallest_angle(corners);
-            found.mean += angle;
-            if (angle < found.worst) {
-                found.worst = angle;
-                found.worst_pattern = pattern;
-            }
+            smallest = angle < smallest ? angle : smallest;
+        }
+        found.mean += smallest;
+        if (smallest < found.worst) {
+            found.worst = smallest;
+            found.worst_pattern = pattern;
         }
     }
-    found.mean /= (double)catalogue->triangle_count;
+    found.mean /= (double)catalogue->pattern_count;
     return found;
+}
+
+// An edge's level as people count it, and as --max does: from 0 if dyadic, in segments if linear.
+static uint32_t printed_level(const girih_catalogue *catalogue, const girih_base_pattern *pattern,
+                              int edge) {
+    return catalogue->spacing == GIRIH_SPACING_LINEAR ? pattern->segments[edge]
+                                                      : pattern->levels[edge];
 }
 
 girih_result girih_report_info(const girih_catalogue *catalogue, bool json, FILE *stream,
                                girih_error *error) {
     angles found = measure(catalogue);
-    const uint8_t *worst = found.worst_pattern->levels;
+    uint32_t worst[3];
+    for (int edge = 0; edge < 3; edge++) {
+        worst[edge] = printed_level(catalogue, found.worst_pattern, edge);
+    }
     uint64_t levels = catalogue->level_count;
     if (!json) {
         fprintf(stream,
@@ -89,7 +101,7 @@ girih_result girih_report_info(const girih_catalogue *catalogue, bool json, FILE
                 "vertices           %" PRIu64 "\n"
                 "triangles          %" PRIu64 "\n"
                 "bytes              %" PRIu64 "\n"
-                "mean min angle     %.2f degrees\n"
+                "mean min angle     %.2f degrees, of the patterns' smallest\n"
                 "worst min angle    %.2f degrees\n"
                 "worst pattern      [%u,%u,%u]\n",
                 spacing_name(catalogue), catalogue->max, catalogue->family,
@@ -131,7 +143,10 @@ void girih_report_dump(const girih_catalogue *catalogue, bool json, FILE *stream
     for (uint32_t rank = 0; rank < catalogue->pattern_count; rank++) {
         const girih_base_pattern *pattern = girih_catalogue_pattern(catalogue, rank);
         const uint32_t *vertices = girih_catalogue_vertices(catalogue, pattern);
-        const uint8_t *levels = pattern->levels;
+        uint32_t levels[3];
+        for (int edge = 0; edge < 3; edge++) {
+            levels[edge] = printed_level(catalogue, pattern, edge);
+        }
         if (json) {
             fprintf(stream, "%s\n{\"levels\":[%u,%u,%u],\"vertices\":[", rank > 0 ? "," : "",
                     levels[0], levels[1], levels[2]);

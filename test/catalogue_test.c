@@ -330,14 +330,26 @@ static void test_json(void **state) {
     for (size_t n = 0; n < 220; n++) {
         const json_t *pattern = json_array_get(patterns, n);
         assert_int_equal(json_array_size(json_object_get(pattern, "levels")), 3);
+        const json_t *levels = json_object_get(pattern, "levels");
         const json_t *list = json_object_get(pattern, "vertices");
+        json_int_t border = 0;
         for (size_t m = 0; m < json_array_size(list); m++) {
             json_int_t sum = 0;
+            int zeros = 0;
             for (size_t corner = 0; corner < 3; corner++) {
-                sum += json_integer_value(json_array_get(json_array_get(list, m), corner));
+                json_int_t weight =
+                    json_integer_value(json_array_get(json_array_get(list, m), corner));
+                sum += weight;
+                zeros += weight == 0;
             }
             assert_int_equal(sum, 32768);
+            border += zeros > 0;
         }
+        // Linear levels are segments: together as many as the border has vertices.
+        for (size_t edge = 0; edge < 3; edge++) {
+            border -= json_integer_value(json_array_get(levels, edge));
+        }
+        assert_int_equal(border, 0);
         vertices += json_array_size(list);
         triangles += json_array_size(json_object_get(pattern, "triangles"));
     }
