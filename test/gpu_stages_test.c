@@ -627,9 +627,6 @@ static void place_crowd(void) {
     // A flat, a singular and a zero transform must not disturb the others.
     crowd[7].transform[0] = crowd[7].transform[4] = crowd[7].transform[8] = 0;
     memset(crowd[9].transform, 0, sizeof crowd[9].transform);
-    // Turned about the origin, the seam sphere's zero coordinates come out as -0.
-    crowd[11] = (girih_instance){.mesh = 3, .transform = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0}};
-    crowd[12] = (girih_instance){.mesh = 3, .transform = {0, -1, 0, 0, -2, 0, 0, 0, 0, 0, 3, 0}};
 }
 
 int main(void) {
