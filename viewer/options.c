@@ -318,3 +318,9 @@ static const struct argp_option device_options[] = {
     END_OF_OPTIONS};
 
 const struct argp girih_device_argp = {device_options, parse_device, NULL, NULL, NULL, NULL, NULL};
+
+const struct argp_child girih_option_children[] = {{&girih_level_argp, 0, NULL, 1},
+                                                   {&girih_surface_argp, 0, NULL, 2},
+                                                   {&girih_camera_argp, 0, NULL, 3},
+                                                   {&girih_device_argp, 0, NULL, 4},
+                                                   {NULL, 0, NULL, 0}};

@@ -50,6 +50,9 @@ extern const struct argp girih_surface_argp;
 extern const struct argp girih_camera_argp;
 extern const struct argp girih_device_argp;
 
+// All four of them, in this order, for a subcommand that takes them all.
+extern const struct argp_child girih_option_children[];
+
 // Keys of options without a letter: the shared ones lie from here on, a subcommand's own start at
 // GIRIH_KEY_OWN.
 enum { GIRIH_KEY_SHARED = 256, GIRIH_KEY_OWN = 512 };

@@ -63,12 +63,6 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
     }
 }
 
-static const struct argp_child children[] = {{&girih_level_argp, 0, NULL, 1},
-                                             {&girih_surface_argp, 0, NULL, 2},
-                                             {&girih_camera_argp, 0, NULL, 3},
-                                             {&girih_device_argp, 0, NULL, 4},
-                                             {NULL, 0, NULL, 0}};
-
 static const struct argp refine_argp = {
     own_options,
     parse,
@@ -82,7 +76,7 @@ static const struct argp refine_argp = {
     "  girih refine spot.glb --segments 4 -o fine.glb\n"
     "  girih refine spot.glb --segments random:7:16 --surface flat -o uneven.glb\n"
     "  girih refine spot.glb --edge-length 0.02 --catalogue linear --cpu --json -o even.glb\n",
-    children,
+    girih_option_children,
     NULL,
     NULL};
 

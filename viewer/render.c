@@ -115,12 +115,6 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
     }
 }
 
-static const struct argp_child children[] = {{&girih_level_argp, 0, NULL, 1},
-                                             {&girih_surface_argp, 0, NULL, 2},
-                                             {&girih_camera_argp, 0, NULL, 3},
-                                             {&girih_device_argp, 0, NULL, 4},
-                                             {NULL, 0, NULL, 0}};
-
 static const struct argp render_argp = {
     own_options,
     parse,
@@ -132,7 +126,7 @@ static const struct argp render_argp = {
     "  girih render teapot.glb --segments random:7:16 --wireframe -o lines.png\n"
     "  girih render city.gltf --camera-index 0 --edge-pixels 4 --json -o city.png\n"
     "  girih render model.glb --backface-color 1,0,1 -o cracks.png\n",
-    children,
+    girih_option_children,
     NULL,
     NULL};
 
