@@ -288,7 +288,8 @@ static girih_result run_case(girih_device *device, const sphere_case *c, uint32_
         result = girih_device_context(device, NULL, &s->context, error);
     }
     if (result == GIRIH_OK) {
-        result = girih_scene_create(s->context, &s->mesh, 1, &s->scene, error);
+        result = girih_scene_create(
+            s->context, &(girih_scene_desc){.meshes = &s->mesh, .mesh_count = 1}, &s->scene, error);
     }
     const bool can_instance =
         device->features.multiDrawIndirect && device->features.drawIndirectFirstInstance;

@@ -57,11 +57,12 @@ typedef struct girih_scene_table {
     uint32_t seam_count; // of all meshes
 } girih_scene_table;
 
-// Fills the scene's arrays (VERTICES to EDGE_WELD_EDGES) and the frame's material_count and
-// attribute_floats. Empty arrays get one word, so that each can be bound. On success the caller
+// Fills the scene's arrays (VERTICES to EDGES) and the frame's material_count, attribute_floats and
+// previous_vertices. Empty arrays get one word, so that each can be bound. With `previous` VERTICES
+// holds all vertices twice, the second time as those of the previous frame. On success the caller
 // owns table->meshes (girih_free).
 girih_result girih_pack_scene(girih_arrays *arrays, girih_scene_table *table,
-                              const girih_mesh *const *meshes, uint32_t mesh_count,
+                              const girih_mesh *const *meshes, uint32_t mesh_count, int previous,
                               girih_error *error);
 
 // What a plan is made for, beside its instances.
@@ -71,12 +72,14 @@ typedef struct girih_plan_shape {
     uint64_t max_vertices, max_triangles; // raised to the level-0 output
     int pattern_draws;                    // baked draws use the catalogue's indices
     int serial_sort;                      // chooses the size of the sort's blocks
+    uint32_t previous; // not 0: output vertices have their previous position after the attributes
 } girih_plan_shape;
 
 // Fills INSTANCES and BLOCKS and all of the frame's fields that neither the catalogue, the scene
-// nor girih_pack_frame fill, and sets count (leaving words NULL) of the plan's other arrays:
+// nor girih_pack_frame fill (but for reach, variant,
+// first_index and first_list_index, which are the caller's), and sets count (leaving words NULL) of the plan's other arrays:
 // LEVELS, KEYS, ITEMS, ITEMS_SPARE, COUNTERS, GROUPS, STATUS, DRAWS, WELD_OFFSETS. Reads
-// frame.range_count, pattern_count, material_count. Counts beyond 2^30 triangles or edges, or 2^28
+// frame.range_count, pattern_count, material_count, attribute_floats. Counts beyond 2^30 triangles or edges, or 2^28
 // groups, are refused with GIRIH_ERROR_TOO_LARGE. Raises shape->max_vertices and max_triangles to
 // the level-0 output (triangles: the instances' triangles; baked vertices: 3 a triangle; welded:
 // the corners).
@@ -84,9 +87,15 @@ girih_result girih_pack_plan(girih_arrays *arrays, girih_plan_shape *shape,
                              const girih_scene_table *table, const girih_instance *instances,
                              uint32_t instance_count, girih_error *error);
 
-// The transform's words of one instance record: rows, the normal matrix (inverse transpose times
-// the absolute determinant, so that mirroring keeps normals outward), and the flags.
-void girih_pack_transform(uint32_t *record, const float transform[12]);
+// Refuses a transform with an element that is not finite or beyond GIRIH_MAX_COORDINATE
+// (GIRIH_ERROR_INVALID_DATA); `instance` is for the message.
+girih_result girih_check_transform(const float transform[12], uint32_t instance,
+                                   girih_error *error);
+
+// The transforms' words of one instance record: rows, the normal matrix (inverse transpose times
+// the absolute determinant, so that mirroring keeps normals outward), flags, scale, and the rows of
+// the previous frame (NULL: as now).
+void girih_pack_transform(uint32_t *record, const float transform[12], const float *previous);
 
 // Refuses a frame that cannot be meant (a length that is not positive, a NaN), and fills the
 // frame's planes, eye, rule and culling fields. Reads level_count and linear_spacing.
@@ -101,6 +110,7 @@ girih_statistics girih_read_status(const girih_frame_block *frame, const uint32_
 // --- The CPU twins: each reads and writes the arrays as its shader does -------------------------
 
 void girih_twin_levels(girih_arrays *arrays);
+// An own surface's culling is that of its base surface, with frame.reach.
 void girih_twin_select(girih_arrays *arrays, girih_surface surface);
 // Sorts into ITEMS and writes the groups' bounds and STATUS_ITEMS; COUNTERS and ITEMS_SPARE are the
 // shader's alone.
@@ -112,6 +122,10 @@ void girih_twin_dispatch(girih_arrays *arrays);
 // Writes OUT_POSITIONS and OUT_ATTRIBUTES (instanced: patches into OUT_ATTRIBUTES), all in one
 // window.
 void girih_twin_evaluate(girih_arrays *arrays, girih_surface surface);
+// The same for the description's own surface, baked or welded. Of the description it reads meshes,
+// instances, own, own_user and base. What other frames' positions the stride leaves room for is not
+// written.
+void girih_twin_evaluate_own(girih_arrays *arrays, const girih_cpu_desc *desc);
 // Writes the index lists whose bits are set in outputs, all in one window.
 void girih_twin_output(girih_arrays *arrays, uint32_t outputs);
 

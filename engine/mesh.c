@@ -332,11 +332,13 @@ static void measure_bounds(girih_mesh *mesh, const float *positions) {
 static bool prepare(girih_mesh_build *build) {
     bool given = build->desc->normals;
     build->mesh->made_normals = !given;
+    build->mesh->dynamic = build->desc->dynamic != 0;
     build->mesh->attribute_floats = build->desc->attribute_floats;
     if (!take_name(build) || !take_positions(build) || !take_triangles(build) ||
         !keep_used_vertices(build) || !take_attributes(build) || !girih_find_edges(build) ||
         !(given ? girih_take_normals(build) : girih_make_normals(build)) ||
-        !girih_find_seams(build) || !girih_find_weld_edges(build)) {
+        !girih_find_seams(build) || !girih_find_weld_edges(build) ||
+        !girih_find_vertex_owners(build)) {
         return false;
     }
     measure_bounds(build->mesh, build->positions);
@@ -360,6 +362,9 @@ static void hand_over(girih_mesh_build *build) {
     mesh->weld_edge_edge = build->weld_edge_edge;
     mesh->edge_weld_edge = build->edge_weld_edge;
     mesh->edge_uses = build->edge_uses;
+    mesh->edge_owner = build->edge_owner;
+    mesh->weld_edge_owner = build->weld_edge_owner;
+    mesh->vertex_owner = build->vertex_owner;
     mesh->submeshes = build->submeshes;
     girih_free(build->corner_points);
     girih_free(build->edge_half_edges);
@@ -420,6 +425,9 @@ void girih_mesh_destroy(const girih_mesh *mesh) {
     girih_free(mesh->weld_edge_edge);
     girih_free(mesh->edge_weld_edge);
     girih_free(mesh->edge_uses);
+    girih_free(mesh->edge_owner);
+    girih_free(mesh->weld_edge_owner);
+    girih_free(mesh->vertex_owner);
     girih_free(mesh->submeshes);
     girih_free(mesh);
 }

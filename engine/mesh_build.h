@@ -30,6 +30,9 @@ typedef struct girih_mesh_build {
     uint32_t *weld_edge_edge;
     uint32_t *edge_weld_edge;
     uint8_t *edge_uses;
+    uint32_t *edge_owner;
+    uint32_t *weld_edge_owner;
+    uint32_t *vertex_owner;
     girih_submesh *submeshes;
 
     // Not in the mesh.

@@ -161,7 +161,7 @@ static void vertices_from(const girih_mesh_build *build, uint32_t half_edge, uin
 }
 
 // Hard edges, UV seams whose normals differ and edges of three or more triangles (PN-AEN; McDonald,
-// Kilgard 2010).
+// Kilgard 2010). Where the host moves the normals, other vertices may come to differ in them.
 static bool is_seam(const girih_mesh_build *build, uint32_t edge) {
     if (build->edge_uses[edge] != 2) {
         return build->edge_uses[edge] > 2;
@@ -173,8 +173,10 @@ static bool is_seam(const girih_mesh_build *build, uint32_t edge) {
     vertices_from(build, half_edges[0], first, a);
     vertices_from(build, half_edges[1], first, b);
     for (int end = 0; end < 2; ++end) {
-        if (!girih_same_bits(build->normals + 3 * (size_t)a[end],
-                             build->normals + 3 * (size_t)b[end])) {
+        bool differ = build->mesh->dynamic ? a[end] != b[end]
+                                           : !girih_same_bits(build->normals + 3 * (size_t)a[end],
+                                                              build->normals + 3 * (size_t)b[end]);
+        if (differ) {
             return true;
         }
     }
@@ -189,7 +191,8 @@ bool girih_find_seams(girih_mesh_build *build) {
     uint32_t *numbers = girih_allocate_array(edge_count, sizeof *numbers);
     uint8_t *uses = girih_allocate_array(edge_count, sizeof *uses);
     build->edge_points = girih_allocate_array(edge_count, 2 * sizeof *build->edge_points);
-    if (!numbers || !uses || !build->edge_points) {
+    build->edge_owner = girih_allocate_array(edge_count, sizeof *build->edge_owner);
+    if (!numbers || !uses || !build->edge_points || !build->edge_owner) {
         goto cleanup;
     }
 
@@ -221,6 +224,7 @@ bool girih_find_seams(girih_mesh_build *build) {
         ends[0] = forward ? a : b;
         ends[1] = forward ? b : a;
         uses[number] = build->edge_uses[edge];
+        build->edge_owner[number] = half_edges[0];
         if (number < mesh->seam_count) {
             uint32_t *sides = build->seams + 4 * (size_t)number;
             vertices_from(build, half_edges[0], ends[0], sides);
@@ -262,15 +266,18 @@ bool girih_find_weld_edges(girih_mesh_build *build) {
     }
     build->weld_edge_edge =
         girih_allocate_array(mesh->weld_edge_count, sizeof *build->weld_edge_edge);
-    if (!build->weld_edge_edge) {
+    build->weld_edge_owner =
+        girih_allocate_array(mesh->weld_edge_count, sizeof *build->weld_edge_owner);
+    if (!build->weld_edge_edge || !build->weld_edge_owner) {
         goto cleanup;
     }
 
     memset(build->edge_weld_edge, 0xff, mesh->edge_count * sizeof *build->edge_weld_edge);
-    for (uint32_t corner = 0; corner < corner_count; ++corner) {
+    for (uint32_t corner = corner_count; corner-- > 0;) {
         uint32_t edge = build->triangle_edges[corner];
         uint32_t weld_edge = build->triangle_weld_edges[corner];
         build->weld_edge_edge[weld_edge] = edge;
+        build->weld_edge_owner[weld_edge] = corner;
         if (weld_edge < build->edge_weld_edge[edge]) {
             build->edge_weld_edge[edge] = weld_edge;
         }
@@ -283,4 +290,16 @@ bool girih_find_weld_edges(girih_mesh_build *build) {
 cleanup:
     girih_free(triangle_submeshes);
     return done;
+}
+
+bool girih_find_vertex_owners(girih_mesh_build *build) {
+    const girih_mesh *mesh = build->mesh;
+    build->vertex_owner = girih_allocate_array(mesh->vertex_count, sizeof *build->vertex_owner);
+    if (!build->vertex_owner) {
+        return false;
+    }
+    for (uint32_t corner = 3 * mesh->triangle_count; corner-- > 0;) {
+        build->vertex_owner[build->triangle_vertices[corner]] = corner;
+    }
+    return true;
 }

@@ -11,10 +11,13 @@ bool girih_weld_points(const float *positions, uint32_t vertex_count, uint32_t *
 // audit of the edges.
 bool girih_find_edges(girih_mesh_build *build);
 
-// With all normals in place: puts the seams first, then makes edge_points and seams.
+// With all normals in place: puts the seams first, then makes edge_points, edge_owner and seams.
 bool girih_find_seams(girih_mesh_build *build);
 
-// Last: triangle_weld_edges, weld_edge_edge, edge_weld_edge.
+// After the seams: triangle_weld_edges, weld_edge_edge, weld_edge_owner, edge_weld_edge.
 bool girih_find_weld_edges(girih_mesh_build *build);
+
+// With all vertices in place: vertex_owner.
+bool girih_find_vertex_owners(girih_mesh_build *build);
 
 #endif

@@ -20,10 +20,11 @@ static void write_float(uint32_t *word, float value) {
     *word = value == 0.0f ? 0u : girih_to_word(value);
 }
 
-void girih_pack_transform(uint32_t *record, const float transform[12]) {
+void girih_pack_transform(uint32_t *record, const float transform[12], const float *previous) {
     double row[3][3];
     for (int n = 0; n < 12; ++n) {
         write_float(record + GIRIH_INSTANCE_TRANSFORM + n, transform[n]);
+        write_float(record + GIRIH_INSTANCE_PREVIOUS + n, previous ? previous[n] : transform[n]);
         if (n % 4 < 3) {
             row[n / 4][n % 4] = (double)transform[n];
         }
@@ -49,13 +50,15 @@ void girih_pack_transform(uint32_t *record, const float transform[12]) {
     frexp(largest, &exponent);
     const double scale = ldexp(determinant < 0.0 ? -1.0 : 1.0, largest > 0.0 ? 1 - exponent : 0);
     for (int n = 0; n < 9; ++n) {
-        write_float(record + GIRIH_INSTANCE_NORMAL + n, (float)(cofactor[n / 3][n % 3] * scale));
+        write_float(record + GIRIH_INSTANCE_NORMAL + 4 * (n / 3) + n % 3,
+                    (float)(cofactor[n / 3][n % 3] * scale));
     }
     record[GIRIH_INSTANCE_FLAGS] = determinant < 0.0 ? GIRIH_INSTANCE_MIRRORED : 0u;
+    write_float(record + GIRIH_INSTANCE_SCALE, (float)cbrt(fabs(determinant)));
 }
 
-static girih_result check_transform(const float transform[12], uint32_t instance,
-                                    girih_error *error) {
+girih_result girih_check_transform(const float transform[12], uint32_t instance,
+                                   girih_error *error) {
     for (int n = 0; n < 12; ++n) {
         // Written so that a NaN fails it too.
         if (!(fabsf(transform[n]) <= GIRIH_MAX_COORDINATE)) {
@@ -89,7 +92,7 @@ static girih_result check_instances(totals *sums, const girih_scene_table *table
                               ", the scene has %" PRIu32,
                               n, instances[n].mesh, table->mesh_count);
         }
-        girih_result result = check_transform(instances[n].transform, n, error);
+        girih_result result = girih_check_transform(instances[n].transform, n, error);
         if (result != GIRIH_OK) {
             return result;
         }
@@ -119,7 +122,7 @@ static void write_instances(uint32_t *records, const girih_scene_table *table,
     uint32_t *record = records;
     for (uint32_t n = 0; n < instance_count; ++n, record += GIRIH_INSTANCE_WORDS) {
         const girih_scene_mesh *mesh = &table->meshes[instances[n].mesh];
-        girih_pack_transform(record, instances[n].transform);
+        girih_pack_transform(record, instances[n].transform, NULL);
         record[GIRIH_INSTANCE_FIRST_TRIANGLE] = triangle;
         record[GIRIH_INSTANCE_FIRST_EDGE] = edge;
         record[GIRIH_INSTANCE_FIRST_WELD_EDGE] = weld_edge;
@@ -257,6 +260,7 @@ static girih_result choose_sizes(girih_arrays *arrays, girih_plan_shape *shape, 
     frame->edge_count = (uint32_t)sums->edges;
     frame->weld_edge_count = (uint32_t)sums->weld_edges;
     frame->corner_count = shape->mode == GIRIH_MODE_WELDED ? (uint32_t)sums->corners : 0;
+    frame->attribute_stride = 3 + frame->attribute_floats + (shape->previous ? 3 : 0);
     frame->group_count = (uint32_t)groups;
     frame->output_mode = shape->mode == GIRIH_MODE_WELDED  ? GIRIH_OUTPUT_WELDED
                          : shape->mode == GIRIH_MODE_BAKED ? GIRIH_OUTPUT_BAKED

@@ -7,7 +7,7 @@
 #include "memory.h"
 
 #define FIRST_BINDING GIRIH_BIND_VERTICES
-#define END_BINDING (GIRIH_BIND_EDGE_WELD_EDGES + 1)
+#define END_BINDING (GIRIH_BIND_EDGES + 1)
 #define MESH_REVERSED 0x80000000u // girih_mesh.triangle_weld_edges
 
 typedef struct totals {
@@ -15,7 +15,7 @@ typedef struct totals {
 } totals;
 
 static girih_result check_totals(const totals *sums, uint32_t attribute_floats,
-                                 girih_error *error) {
+                                 uint32_t vertex_words, girih_error *error) {
     if (sums->triangles > GIRIH_MAX_COUNT || sums->edges > GIRIH_MAX_COUNT ||
         sums->weld_edges > GIRIH_MAX_COUNT) {
         return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
@@ -24,7 +24,7 @@ static girih_result check_totals(const totals *sums, uint32_t attribute_floats,
                           sums->triangles, sums->edges, sums->weld_edges, GIRIH_MAX_COUNT);
     }
     const uint64_t words =
-        attribute_floats > GIRIH_VERTEX_WORDS ? attribute_floats : GIRIH_VERTEX_WORDS;
+        attribute_floats > vertex_words ? attribute_floats : vertex_words;
     if (sums->vertices > UINT32_MAX / words) {
         return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
                           "scene: %" PRIu64 " vertices of %" PRIu64
@@ -36,7 +36,7 @@ static girih_result check_totals(const totals *sums, uint32_t attribute_floats,
 
 // Where each mesh begins, and how much there is of everything.
 static girih_result place_meshes(girih_scene_table *table, const girih_mesh *const *meshes,
-                                 totals *sums, girih_error *error) {
+                                 uint32_t vertex_words, totals *sums, girih_error *error) {
     for (uint32_t n = 0; n < table->mesh_count; ++n) {
         const girih_mesh *mesh = meshes[n];
         if (!mesh) {
@@ -74,7 +74,7 @@ static girih_result place_meshes(girih_scene_table *table, const girih_mesh *con
             table->material_count =
                 materials > table->material_count ? materials : table->material_count;
         }
-        girih_result result = check_totals(sums, table->attribute_floats, error);
+        girih_result result = check_totals(sums, table->attribute_floats, vertex_words, error);
         if (result != GIRIH_OK) {
             return result;
         }
@@ -83,9 +83,9 @@ static girih_result place_meshes(girih_scene_table *table, const girih_mesh *con
 }
 
 static girih_result allocate(girih_arrays *arrays, const totals *sums, uint32_t attribute_floats,
-                             girih_error *error) {
+                             uint32_t vertex_words, girih_error *error) {
     const uint64_t counts[END_BINDING] = {
-        [GIRIH_BIND_VERTICES] = sums->vertices * GIRIH_VERTEX_WORDS,
+        [GIRIH_BIND_VERTICES] = sums->vertices * vertex_words,
         [GIRIH_BIND_ATTRIBUTES] = sums->vertices * attribute_floats,
         [GIRIH_BIND_TRIANGLE_VERTICES] = sums->triangles * 3,
         [GIRIH_BIND_TRIANGLE_EDGES] = sums->triangles * 3,
@@ -93,9 +93,9 @@ static girih_result allocate(girih_arrays *arrays, const totals *sums, uint32_t 
         [GIRIH_BIND_EDGE_POINTS] = sums->edges * 2,
         [GIRIH_BIND_SEAMS] = sums->seams * 4,
         [GIRIH_BIND_TRIANGLE_WELD_EDGES] = sums->triangles * 3,
-        [GIRIH_BIND_WELD_EDGE_EDGES] = sums->weld_edges,
-        [GIRIH_BIND_WELD_POINTS] = sums->vertices,
-        [GIRIH_BIND_EDGE_WELD_EDGES] = sums->edges,
+        [GIRIH_BIND_WELD_EDGES] = sums->weld_edges * 2,
+        [GIRIH_BIND_POINTS] = sums->vertices * 2,
+        [GIRIH_BIND_EDGES] = sums->edges * 2,
     };
     for (uint32_t binding = FIRST_BINDING; binding < END_BINDING; ++binding) {
         girih_result result = girih_allocate_words(arrays, binding, counts[binding], error);
@@ -109,6 +109,15 @@ static girih_result allocate(girih_arrays *arrays, const totals *sums, uint32_t 
 static void copy_numbers(uint32_t *target, const uint32_t *source, size_t count, uint32_t first) {
     for (size_t n = 0; n < count; ++n) {
         target[n] = source[n] + first;
+    }
+}
+
+// Pairs of a number and its owner, which is a corner of the mesh.
+static void copy_pairs(uint32_t *target, const uint32_t *source, uint32_t first,
+                       const uint32_t *owners, uint32_t first_corner, size_t count) {
+    for (size_t n = 0; n < count; ++n) {
+        target[2 * n] = source[n] + first;
+        target[2 * n + 1] = owners[n] + first_corner;
     }
 }
 
@@ -129,8 +138,9 @@ static void copy_vertices(girih_arrays *arrays, const girih_scene_mesh *place,
     const size_t floats = mesh->attribute_floats;
     copy_floats(arrays->words[GIRIH_BIND_ATTRIBUTES] + place->first_vertex * floats,
                 mesh->attributes, mesh->vertex_count * floats);
-    copy_numbers(arrays->words[GIRIH_BIND_WELD_POINTS] + place->first_vertex, mesh->vertex_point,
-                 mesh->vertex_count, place->first_vertex);
+    copy_pairs(arrays->words[GIRIH_BIND_POINTS] + (size_t)place->first_vertex * 2,
+               mesh->vertex_point, place->first_vertex, mesh->vertex_owner,
+               place->first_triangle * 3, mesh->vertex_count);
 }
 
 static void copy_triangles(girih_arrays *arrays, const girih_scene_mesh *place,
@@ -166,14 +176,16 @@ static void copy_edges(girih_arrays *arrays, const girih_scene_mesh *place,
                  mesh->edge_points, (size_t)mesh->edge_count * 2, place->first_vertex);
     copy_numbers(arrays->words[GIRIH_BIND_SEAMS] + (size_t)place->first_seam * 4, mesh->seams,
                  (size_t)mesh->seam_count * 4, place->first_vertex);
-    copy_numbers(arrays->words[GIRIH_BIND_WELD_EDGE_EDGES] + place->first_weld_edge,
-                 mesh->weld_edge_edge, mesh->weld_edge_count, place->first_edge);
-    copy_numbers(arrays->words[GIRIH_BIND_EDGE_WELD_EDGES] + place->first_edge,
-                 mesh->edge_weld_edge, mesh->edge_count, place->first_weld_edge);
+    copy_pairs(arrays->words[GIRIH_BIND_WELD_EDGES] + (size_t)place->first_weld_edge * 2,
+               mesh->weld_edge_edge, place->first_edge, mesh->weld_edge_owner,
+               place->first_triangle * 3, mesh->weld_edge_count);
+    copy_pairs(arrays->words[GIRIH_BIND_EDGES] + (size_t)place->first_edge * 2,
+               mesh->edge_weld_edge, place->first_weld_edge, mesh->edge_owner,
+               place->first_triangle * 3, mesh->edge_count);
 }
 
 girih_result girih_pack_scene(girih_arrays *arrays, girih_scene_table *table,
-                              const girih_mesh *const *meshes, uint32_t mesh_count,
+                              const girih_mesh *const *meshes, uint32_t mesh_count, int previous,
                               girih_error *error) {
     *table = (girih_scene_table){.mesh_count = mesh_count, .material_count = 1};
     table->meshes = girih_allocate_array(mesh_count, sizeof *table->meshes);
@@ -181,10 +193,11 @@ girih_result girih_pack_scene(girih_arrays *arrays, girih_scene_table *table,
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY,
                           "scene: no memory for %" PRIu32 " meshes", mesh_count);
     }
+    const uint32_t vertex_words = previous ? 2 * GIRIH_VERTEX_WORDS : GIRIH_VERTEX_WORDS;
     totals sums = {0};
-    girih_result result = place_meshes(table, meshes, &sums, error);
+    girih_result result = place_meshes(table, meshes, vertex_words, &sums, error);
     if (result == GIRIH_OK) {
-        result = allocate(arrays, &sums, table->attribute_floats, error);
+        result = allocate(arrays, &sums, table->attribute_floats, vertex_words, error);
     }
     if (result != GIRIH_OK) {
         girih_arrays_free(arrays, FIRST_BINDING, END_BINDING);
@@ -197,8 +210,14 @@ girih_result girih_pack_scene(girih_arrays *arrays, girih_scene_table *table,
         copy_triangles(arrays, &table->meshes[n], meshes[n]);
         copy_edges(arrays, &table->meshes[n], meshes[n]);
     }
+    if (previous) {
+        const size_t words = (size_t)sums.vertices * GIRIH_VERTEX_WORDS;
+        uint32_t *vertices = arrays->words[GIRIH_BIND_VERTICES];
+        memcpy(vertices + words, vertices, words * sizeof *vertices);
+    }
     table->seam_count = (uint32_t)sums.seams;
     arrays->frame.material_count = table->material_count;
     arrays->frame.attribute_floats = table->attribute_floats;
+    arrays->frame.previous_vertices = previous ? (uint32_t)sums.vertices : 0;
     return GIRIH_OK;
 }

@@ -1,7 +1,10 @@
 // Compute pipelines, one for each variant of each shader that a plan has needed.
 #include <stdatomic.h>
+#include <string.h>
 
 #include "context.h"
+#include "error.h"
+#include "memory.h"
 
 #define GIRIH_SHADERS_WANT_CODE
 #include "shader_list.h"
@@ -19,20 +22,21 @@ static const shader_code shaders[GIRIH_SHADER_COUNT][2] = {
 #undef GIRIH_SHADER_CODE
 };
 
-// The bits of a variant that concern a shader: at most four, so that GIRIH_MAX_VARIANTS slots do.
+// The bits of a variant that concern a shader: at most six, so that GIRIH_MAX_VARIANTS slots do.
 static uint32_t variant_mask(uint32_t shader) {
     switch (shader) {
     case GIRIH_SHADER_levels:
-        return GIRIH_VARIANT_INSTANCES | 7u << GIRIH_VARIANT_RULE_SHIFT;
+        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_DYNAMIC | 7u << GIRIH_VARIANT_RULE_SHIFT;
     case GIRIH_SHADER_select_flat:
     case GIRIH_SHADER_select_pn:
-        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_CULL;
+        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_CULL |
+               GIRIH_VARIANT_DYNAMIC;
     case GIRIH_SHADER_evaluate_patches_flat:
     case GIRIH_SHADER_evaluate_patches_pn:
     case GIRIH_SHADER_evaluate_points_flat:
     case GIRIH_SHADER_evaluate_points_pn:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES |
-               GIRIH_VARIANT_WELDED;
+               GIRIH_VARIANT_WELDED | GIRIH_VARIANT_DYNAMIC;
     case GIRIH_SHADER_output_lists:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_WELDED;
     case GIRIH_SHADER_output_weld_blocks:
@@ -43,8 +47,7 @@ static uint32_t variant_mask(uint32_t shader) {
     }
 }
 
-// The bits of variant that mask selects, moved together.
-static uint32_t variant_slot(uint32_t variant, uint32_t mask) {
+uint32_t girih_variant_slot(uint32_t variant, uint32_t mask) {
     uint32_t slot = 0;
     uint32_t place = 0;
     for (uint32_t bit = 0; bit < 32; ++bit) {
@@ -55,30 +58,21 @@ static uint32_t variant_slot(uint32_t variant, uint32_t mask) {
     return slot;
 }
 
-girih_result girih_pipeline_need(const girih_context *context, uint32_t shader, uint32_t variant,
-                                 girih_error *error) {
+girih_result girih_pipeline_create(const girih_context *context, const uint32_t *words,
+                                   size_t bytes, uint32_t variant, VkPipelineLayout layout,
+                                   const _Atomic(VkPipeline) *slot, girih_error *error) {
     const girih_functions *vk = &context->vk;
-    const uint32_t bits = variant & variant_mask(shader);
-    // The only part of a context that changes, and only from nothing to something.
-    _Atomic(VkPipeline) *slot = (_Atomic(VkPipeline) *)&context
-                                    ->pipelines[shader][variant_slot(bits, variant_mask(shader))];
-    if (atomic_load(slot)) {
-        return GIRIH_OK;
-    }
-    const shader_code code = shaders[shader][context->few_buffers];
-    const VkShaderModuleCreateInfo module_info = {.sType =
-                                                      VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                                                  .codeSize = code.bytes,
-                                                  .pCode = code.words};
+    const VkShaderModuleCreateInfo module_info = {
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = bytes, .pCode = words};
     VkShaderModule module;
     VkResult result =
         vk->CreateShaderModule(context->device, &module_info, context->callbacks, &module);
     if (result != VK_SUCCESS) {
         return girih_vulkan_failed(error, "vkCreateShaderModule", "plan", result);
     }
-    const VkSpecializationMapEntry entry = {.constantID = 0, .size = sizeof bits};
+    const VkSpecializationMapEntry entry = {.constantID = 0, .size = sizeof variant};
     const VkSpecializationInfo specialization = {
-        .mapEntryCount = 1, .pMapEntries = &entry, .dataSize = sizeof bits, .pData = &bits};
+        .mapEntryCount = 1, .pMapEntries = &entry, .dataSize = sizeof variant, .pData = &variant};
     const VkComputePipelineCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
         .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
@@ -86,7 +80,7 @@ girih_result girih_pipeline_need(const girih_context *context, uint32_t shader, 
                   .module = module,
                   .pName = "main",
                   .pSpecializationInfo = &specialization},
-        .layout = context->pipeline_layout};
+        .layout = layout};
     VkPipeline pipeline = VK_NULL_HANDLE;
     result = vk->CreateComputePipelines(context->device, context->pipeline_cache, 1, &info,
                                         context->callbacks, &pipeline);
@@ -94,15 +88,43 @@ girih_result girih_pipeline_need(const girih_context *context, uint32_t shader, 
     if (result != VK_SUCCESS) {
         return girih_vulkan_failed(error, "vkCreateComputePipelines", "plan", result);
     }
+    // The only part of a context or a surface program that changes, and only from nothing to
+    // something.
     VkPipeline nothing = VK_NULL_HANDLE;
-    if (!atomic_compare_exchange_strong(slot, &nothing, pipeline)) {
+    if (!atomic_compare_exchange_strong((_Atomic(VkPipeline) *)slot, &nothing, pipeline)) {
         vk->DestroyPipeline(context->device, pipeline,
                             context->callbacks); // another thread was first
     }
     return GIRIH_OK;
 }
 
-VkPipeline girih_pipeline_get(const girih_context *context, uint32_t shader, uint32_t variant) {
+girih_result girih_pipeline_need(const girih_context *context, uint32_t shader, uint32_t variant,
+                                 girih_error *error) {
     const uint32_t mask = variant_mask(shader);
-    return atomic_load(&context->pipelines[shader][variant_slot(variant & mask, mask)]);
+    const _Atomic(VkPipeline) *slot =
+        &context->pipelines[shader][girih_variant_slot(variant, mask)];
+    if (atomic_load(slot)) {
+        return GIRIH_OK;
+    }
+    const shader_code code = shaders[shader][context->few_buffers];
+    const girih_placement *placement = &context->placement;
+    if (placement->set == 0 && placement->push_offset == 0) {
+        return girih_pipeline_create(context, code.words, code.bytes, variant & mask,
+                                     context->pipeline_layout, slot, error);
+    }
+    uint32_t *placed = girih_allocate(code.bytes);
+    if (!placed) {
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "plan: out of memory for a shader");
+    }
+    memcpy(placed, code.words, code.bytes);
+    girih_spirv_place(placed, code.bytes, placement->set, placement->push_offset);
+    const girih_result result = girih_pipeline_create(context, placed, code.bytes, variant & mask,
+                                                      context->pipeline_layout, slot, error);
+    girih_free(placed);
+    return result;
+}
+
+VkPipeline girih_pipeline_get(const girih_context *context, uint32_t shader, uint32_t variant) {
+    return atomic_load(
+        &context->pipelines[shader][girih_variant_slot(variant, variant_mask(shader))]);
 }

@@ -1,5 +1,6 @@
 // One frame recorded into the host's command buffer: the six stages in order, and the draw.
 #include <stddef.h>
+#include <string.h>
 
 #include "context.h"
 #include "error.h"
@@ -31,13 +32,15 @@ void girih_bind_pipeline(const girih_plan *plan, VkCommandBuffer commands, uint3
 
 void girih_bind_set(const girih_plan *plan, VkCommandBuffer commands, uint32_t set) {
     plan->context->vk.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
-                                            plan->context->pipeline_layout, 0, 1, &plan->sets[set],
-                                            0, NULL);
+                                            plan->context->pipeline_layout,
+                                            plan->context->placement.set, 1, &plan->sets[set], 0,
+                                            NULL);
 }
 
 void girih_push(const girih_plan *plan, VkCommandBuffer commands, const girih_push_block *push) {
     plan->context->vk.CmdPushConstants(commands, plan->context->pipeline_layout,
-                                       VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof *push, push);
+                                       plan->context->placement.push_stages,
+                                       plan->context->placement.push_offset, sizeof *push, push);
 }
 
 void girih_dispatch_invocations(const girih_plan *plan, VkCommandBuffer commands,
@@ -52,8 +55,10 @@ void girih_dispatch_invocations(const girih_plan *plan, VkCommandBuffer commands
 }
 
 void girih_dispatch_items(const girih_plan *plan, VkCommandBuffer commands) {
+    const girih_buffer *work = &plan->buffers[GIRIH_PLAN_WORK];
     plan->context->vk.CmdDispatchIndirect(
-        commands, plan->buffer.buffer, plan->offset[GIRIH_BIND_STATUS] + 4 * GIRIH_STATUS_EVALUATE);
+        commands, work->buffer,
+        work->offset + plan->offset[GIRIH_BIND_STATUS] + 4 * GIRIH_STATUS_EVALUATE);
 }
 
 static void timestamp(const girih_plan *plan, VkCommandBuffer commands,
@@ -80,24 +85,45 @@ static void record_begin(girih_plan *plan, VkCommandBuffer commands) {
         plan->context, commands, users, VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
         VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
         VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
-    // Copied every time: a recording that was never submitted must not be counted on.
+    const girih_buffer *work = &plan->buffers[GIRIH_PLAN_WORK];
+    const girih_buffer *staging = &plan->buffers[GIRIH_PLAN_STAGING];
     const VkDeviceSize instances = arrays->count[GIRIH_BIND_INSTANCES] * 4;
     const VkBufferCopy copies[2] = {
-        {.dstOffset = plan->offset[GIRIH_BIND_INSTANCES], .size = instances},
-        {.srcOffset = instances,
-         .dstOffset = plan->offset[GIRIH_BIND_BLOCKS],
+        {.srcOffset = staging->offset,
+         .dstOffset = work->offset + plan->offset[GIRIH_BIND_INSTANCES],
+         .size = instances},
+        {.srcOffset = staging->offset + instances,
+         .dstOffset = work->offset + plan->offset[GIRIH_BIND_BLOCKS],
          .size = arrays->count[GIRIH_BIND_BLOCKS] * 4}};
-    vk->CmdCopyBuffer(commands, plan->staging.buffer, plan->buffer.buffer, 2, copies);
-    vk->CmdUpdateBuffer(commands, plan->buffer.buffer, plan->frame_offset, sizeof arrays->frame,
-                        &arrays->frame);
-    vk->CmdFillBuffer(commands, plan->buffer.buffer, plan->offset[GIRIH_BIND_GROUPS],
+    vk->CmdCopyBuffer(commands, staging->buffer, work->buffer, 2, copies);
+    vk->CmdUpdateBuffer(commands, work->buffer, work->offset + plan->frame_offset,
+                        sizeof arrays->frame, &arrays->frame);
+    vk->CmdFillBuffer(commands, work->buffer, work->offset + plan->offset[GIRIH_BIND_GROUPS],
                       arrays->count[GIRIH_BIND_GROUPS] * 4, 0);
-    vk->CmdFillBuffer(commands, plan->buffer.buffer, plan->offset[GIRIH_BIND_STATUS],
+    vk->CmdFillBuffer(commands, work->buffer, work->offset + plan->offset[GIRIH_BIND_STATUS],
                       arrays->count[GIRIH_BIND_STATUS] * 4, 0);
+    if (plan->outputs & GIRIH_OUTPUT_PADDED) {
+        // All indices 0, of a vertex that is there even if nothing is put out.
+        for (uint32_t n = GIRIH_PLAN_INDICES; n <= GIRIH_PLAN_CLOSED_INDICES; ++n) {
+            const girih_buffer *list = &plan->buffers[n];
+            if (list->buffer) {
+                vk->CmdFillBuffer(commands, list->buffer, list->offset, list->size, 0);
+            }
+        }
+        const girih_buffer *positions = &plan->buffers[GIRIH_PLAN_POSITIONS];
+        vk->CmdFillBuffer(commands, positions->buffer, positions->offset, 12, 0);
+    }
     girih_barrier(plan->context, commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
                   VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                   VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
                       VK_ACCESS_UNIFORM_READ_BIT);
+}
+
+// Whether the plan's buffers hold this frame already, once what was recorded has been executed.
+static bool is_unchanged(const girih_plan *plan, const girih_frame *frame) {
+    return plan->current && plan->recorded_set == frame->surface_set &&
+           plan->recorded_revision == frame->revision &&
+           memcmp(&plan->recorded, &plan->arrays.frame, sizeof plan->recorded) == 0;
 }
 
 girih_result girih_cmd_refine(girih_plan *plan, VkCommandBuffer commands, const girih_frame *frame,
@@ -112,11 +138,28 @@ girih_result girih_cmd_refine(girih_plan *plan, VkCommandBuffer commands, const 
                           "girih_cmd_refine: closed indices cannot be closed where triangles are "
                           "culled; turn culling off");
     }
+    if (plan->program && girih_evaluates_own_points(plan) && !frame->surface_set &&
+        plan->program->pipeline_layout != plan->context->pipeline_layout) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "girih_cmd_refine: the surface program has a descriptor set of its own; "
+                          "surface_set must be set");
+    }
     const girih_result result = girih_pack_frame(&plan->arrays, frame, error);
     if (result != GIRIH_OK) {
         return result;
     }
+    if (plan->program) {
+        // Nothing is known of an own surface's normals, and of its points only the reach.
+        plan->arrays.frame.cull &= plan->program->reach < 0.0f ? 0 : GIRIH_CULL_FRUSTUM;
+    }
     const girih_context *context = plan->context;
+    if (is_unchanged(plan, frame)) {
+        for (uint32_t n = 0; n < GIRIH_TIMESTAMPS; ++n) {
+            timestamp(plan, commands, timestamps, n);
+        }
+        return GIRIH_OK;
+    }
+    plan->surface_set = frame->surface_set;
     timestamp(plan, commands, timestamps, 0);
     record_begin(plan, commands);
     girih_bind_set(plan, commands, 0);
@@ -149,11 +192,18 @@ girih_result girih_cmd_refine(girih_plan *plan, VkCommandBuffer commands, const 
                   VK_ACCESS_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_INDEX_READ_BIT |
                       VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_SHADER_READ_BIT |
                       VK_ACCESS_TRANSFER_READ_BIT);
-    const VkBufferCopy status = {.srcOffset = plan->offset[GIRIH_BIND_STATUS],
-                                 .size = plan->arrays.count[GIRIH_BIND_STATUS] * 4};
-    context->vk.CmdCopyBuffer(commands, plan->buffer.buffer, plan->status.buffer, 1, &status);
+    const girih_buffer *work = &plan->buffers[GIRIH_PLAN_WORK];
+    const girih_buffer *status = &plan->buffers[GIRIH_PLAN_STATUS];
+    const VkBufferCopy copy = {.srcOffset = work->offset + plan->offset[GIRIH_BIND_STATUS],
+                               .dstOffset = status->offset,
+                               .size = plan->arrays.count[GIRIH_BIND_STATUS] * 4};
+    context->vk.CmdCopyBuffer(commands, work->buffer, status->buffer, 1, &copy);
     girih_barrier(context, commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
                   VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
+    plan->recorded = plan->arrays.frame;
+    plan->recorded_set = frame->surface_set;
+    plan->recorded_revision = frame->revision;
+    plan->current = true;
     return GIRIH_OK;
 }
 
@@ -168,31 +218,37 @@ void girih_cmd_draw(const girih_plan *plan, VkCommandBuffer commands, uint32_t m
     }
     const bool instanced = plan->mode == GIRIH_MODE_INSTANCED;
     const bool pattern_indices = instanced || frame->pattern_draws;
-    if (instanced) {
-        const VkBuffer buffers[2] = {context->patterns.buffer, plan->attributes.buffer};
-        const VkDeviceSize offsets[2] = {context->offset[GIRIH_BIND_PATTERN_VERTICES], 0};
-        vk->CmdBindVertexBuffers(commands, 0, 2, buffers, offsets);
-        if (layout && frame->attribute_floats) {
-            vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, set, 1,
-                                      &plan->scene->draw_set, 0, NULL);
-        }
-    } else {
-        const VkBuffer buffers[2] = {plan->positions.buffer, plan->attributes.buffer};
-        const VkDeviceSize offsets[2] = {0, 0};
-        vk->CmdBindVertexBuffers(commands, 0, 2, buffers, offsets);
+    const girih_buffer *work = &plan->buffers[GIRIH_PLAN_WORK];
+    const girih_buffer *positions = &plan->buffers[GIRIH_PLAN_POSITIONS];
+    const girih_buffer *attributes = &plan->buffers[GIRIH_PLAN_ATTRIBUTES];
+    const VkBuffer vertex_buffers[2] = {
+        instanced ? context->patterns.buffer : positions->buffer, attributes->buffer};
+    const VkDeviceSize vertex_offsets[2] = {
+        instanced ? context->patterns.offset + context->offset[GIRIH_BIND_PATTERN_VERTICES]
+                  : positions->offset,
+        attributes->offset};
+    vk->CmdBindVertexBuffers(commands, 0, 2, vertex_buffers, vertex_offsets);
+    if (instanced && layout &&
+        (frame->attribute_floats || plan->surface == GIRIH_SURFACE_OWN)) {
+        vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, set, 1,
+                                  &plan->draw_set, 0, NULL);
     }
-    vk->CmdBindIndexBuffer(
-        commands, pattern_indices ? context->indices.buffer : plan->index_list.buffer, 0,
-        pattern_indices && frame->index_bytes == 2 ? VK_INDEX_TYPE_UINT16 : VK_INDEX_TYPE_UINT32);
+    // Bound at 0: lavapipe ignores the offset in indirect draws, so it is in their first index.
+    vk->CmdBindIndexBuffer(commands,
+                           pattern_indices ? context->indices.buffer
+                                           : plan->buffers[GIRIH_PLAN_INDICES].buffer,
+                           0,
+                           pattern_indices && frame->index_bytes == 2 ? VK_INDEX_TYPE_UINT16
+                                                                      : VK_INDEX_TYPE_UINT32);
     const uint32_t stride = sizeof(VkDrawIndexedIndirectCommand);
-    VkDeviceSize offset = plan->offset[GIRIH_BIND_DRAWS] +
+    VkDeviceSize offset = work->offset + plan->offset[GIRIH_BIND_DRAWS] +
                           (VkDeviceSize)material * frame->draws_per_material * stride;
     // One call takes as many draws as the device allows.
     const uint32_t most =
         context->features.multiDrawIndirect ? context->limits.maxDrawIndirectCount : 1;
     for (uint32_t left = frame->draws_per_material; left;) {
         const uint32_t count = left < most ? left : most;
-        vk->CmdDrawIndexedIndirect(commands, plan->buffer.buffer, offset, count, stride);
+        vk->CmdDrawIndexedIndirect(commands, work->buffer, offset, count, stride);
         offset += (VkDeviceSize)count * stride;
         left -= count;
     }

@@ -2,11 +2,37 @@
 //
 // Where the device offers enough storage buffers a stage, each array has a binding of its own. With
 // the four that core Vulkan promises (GIRIH_FEW_BUFFERS), the scene's and the catalogue's arrays share
-// one binding, the plan's share another, and frame.bases tells where each begins.
+// one binding, the plan's share another, and frame.bases tells where each begins. A host's vertex
+// shader (GIRIH_VERTEX) always reads them like that.
 #ifndef GIRIH_ARRAYS_GLSL
 #define GIRIH_ARRAYS_GLSL
 
 #include "shared.h"
+
+// The descriptor set of all this, and where the push constants begin: the host's to choose.
+#ifndef GIRIH_SET
+#define GIRIH_SET 0
+#endif
+#ifndef GIRIH_PUSH_OFFSET
+#define GIRIH_PUSH_OFFSET 0
+#endif
+
+layout(std140, set = GIRIH_SET, binding = GIRIH_BIND_FRAME) uniform GirihFrame {
+    GIRIH_FRAME_BLOCK(vec4, uvec4, uint, float)
+} frame;
+
+#ifdef GIRIH_VERTEX
+
+#define GIRIH_ACCESS readonly
+
+// The host's specialization constants are its own.
+bool girih_has(uint variant) {
+    return (frame.variant & variant) != 0u;
+}
+
+#else
+
+#define GIRIH_ACCESS
 
 // Declared before anything uses gl_WorkGroupSize: the compiler takes it for 1 up to here.
 #ifndef GIRIH_LOCAL_SIZE
@@ -14,12 +40,8 @@
 #endif
 layout(local_size_x = GIRIH_LOCAL_SIZE) in;
 
-layout(std140, set = 0, binding = GIRIH_BIND_FRAME) uniform GirihFrame {
-    GIRIH_FRAME_BLOCK(vec4, uvec4, uint, float)
-} frame;
-
 layout(push_constant) uniform GirihPush {
-    GIRIH_PUSH_BLOCK(uint)
+    layout(offset = GIRIH_PUSH_OFFSET) GIRIH_PUSH_BLOCK(uint)
 } push;
 
 layout(constant_id = 0) const uint girih_variant = 0xffffffffu;
@@ -28,7 +50,9 @@ bool girih_has(uint variant) {
     return (girih_variant & variant) != 0u;
 }
 
-#ifdef GIRIH_FEW_BUFFERS
+#endif
+
+#if defined(GIRIH_FEW_BUFFERS) || defined(GIRIH_VERTEX)
 #define GIRIH_AT(BINDING, INDEX) [frame.bases[BINDING >> 2][BINDING & 3] + (INDEX)]
 #define GIRIH_AT_PAIR(BINDING, INDEX) [frame.bases[BINDING >> 2][BINDING & 3] / 2u + (INDEX)]
 #define GIRIH_AT_FOUR(BINDING, INDEX) [frame.bases[BINDING >> 2][BINDING & 3] / 4u + (INDEX)]
@@ -47,31 +71,61 @@ bool girih_has(uint variant) {
 #endif
 
 #define GIRIH_ARRAY(WHOSE, BINDING, BLOCK, NAME) \
-    layout(std430, set = 0, binding = WHOSE(BINDING)) buffer BLOCK { uint NAME[]; };
+    layout(std430, set = GIRIH_SET, binding = WHOSE(BINDING)) GIRIH_ACCESS buffer BLOCK { uint NAME[]; };
 // Words that are read together are loaded together: a CPU device pays for every load of every lane.
 #define GIRIH_PAIR_ARRAY(WHOSE, BINDING, BLOCK, NAME) \
-    layout(std430, set = 0, binding = WHOSE(BINDING)) buffer BLOCK { uvec2 NAME[]; };
+    layout(std430, set = GIRIH_SET, binding = WHOSE(BINDING)) GIRIH_ACCESS buffer BLOCK { uvec2 NAME[]; };
 #define GIRIH_FOUR_ARRAY(WHOSE, BINDING, BLOCK, NAME) \
-    layout(std430, set = 0, binding = WHOSE(BINDING)) readonly buffer BLOCK { uvec4 NAME[]; };
+    layout(std430, set = GIRIH_SET, binding = WHOSE(BINDING)) readonly buffer BLOCK { uvec4 NAME[]; };
 // Written by one invocation and read by another of the same dispatch.
 #define GIRIH_COHERENT_ARRAY(WHOSE, BINDING, BLOCK, NAME) \
-    layout(std430, set = 0, binding = WHOSE(BINDING)) coherent buffer BLOCK { uint NAME[]; };
+    layout(std430, set = GIRIH_SET, binding = WHOSE(BINDING)) coherent buffer BLOCK { uint NAME[]; };
 
+// What a surface reads.
 GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_VERTICES, GirihVertices, girih_vertices)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_ATTRIBUTES, GirihAttributes, girih_attributes)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_VERTICES, GirihTriangleVertices, girih_triangle_vertices)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_EDGES, GirihTriangleEdges, girih_triangle_edges)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_MATERIALS, GirihTriangleMaterials, girih_triangle_materials)
-GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_EDGE_POINTS, GirihEdgePoints, girih_edge_points)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_SEAMS, GirihSeams, girih_seams)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_WELD_EDGES, GirihTriangleWeldEdges, girih_triangle_weld_edges)
-GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_WELD_EDGE_EDGES, GirihWeldEdgeEdges, girih_weld_edge_edges)
-GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_WELD_POINTS, GirihWeldPoints, girih_weld_points)
-GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_EDGE_WELD_EDGES, GirihEdgeWeldEdges, girih_edge_weld_edges)
+GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_WELD_EDGES, GirihWeldEdges, girih_weld_edges)
+GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_POINTS, GirihPoints, girih_points)
+GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_EDGES, GirihEdges, girih_edges)
+GIRIH_FOUR_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_INSTANCES, GirihInstances, girih_instances)
+
+#define VERTEX_PAIRS(I) girih_vertices GIRIH_AT_PAIR(GIRIH_BIND_VERTICES, I)
+#define ATTRIBUTES(I) girih_attributes GIRIH_AT(GIRIH_BIND_ATTRIBUTES, I)
+#define TRIANGLE_VERTICES(I) girih_triangle_vertices GIRIH_AT(GIRIH_BIND_TRIANGLE_VERTICES, I)
+#define TRIANGLE_EDGES(I) girih_triangle_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_EDGES, I)
+#define TRIANGLE_MATERIALS(I) girih_triangle_materials GIRIH_AT(GIRIH_BIND_TRIANGLE_MATERIALS, I)
+#define SEAMS(I) girih_seams GIRIH_AT(GIRIH_BIND_SEAMS, I)
+#define TRIANGLE_WELD_EDGES(I) girih_triangle_weld_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_WELD_EDGES, I)
+#define WELD_EDGE_EDGES(I) girih_weld_edges GIRIH_AT_PAIR(GIRIH_BIND_WELD_EDGES, I).x
+#define WELD_EDGE_OWNERS(I) girih_weld_edges GIRIH_AT_PAIR(GIRIH_BIND_WELD_EDGES, I).y
+#define WELD_POINTS(I) girih_points GIRIH_AT_PAIR(GIRIH_BIND_POINTS, I).x
+#define VERTEX_OWNERS(I) girih_points GIRIH_AT_PAIR(GIRIH_BIND_POINTS, I).y
+#define EDGE_WELD_EDGES(I) girih_edges GIRIH_AT_PAIR(GIRIH_BIND_EDGES, I).x
+#define EDGE_OWNERS(I) girih_edges GIRIH_AT_PAIR(GIRIH_BIND_EDGES, I).y
+#define INSTANCE_FOURS(I) girih_instances GIRIH_AT_FOUR(GIRIH_BIND_INSTANCES, I)
+
+uvec4 girih_instance_four(uint instance, uint field) {
+    if (!girih_has(GIRIH_VARIANT_INSTANCES)) {
+        return frame.only_instance[field >> 2];
+    }
+    return INSTANCE_FOURS(instance * (GIRIH_INSTANCE_WORDS / 4) + (field >> 2));
+}
+
+uint girih_instance(uint instance, uint field) {
+    return girih_instance_four(instance, field)[field & 3u];
+}
+
+#ifndef GIRIH_VERTEX
+
+GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_EDGE_POINTS, GirihEdgePoints, girih_edge_points)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERNS, GirihPatterns, girih_patterns)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERN_VERTICES, GirihPatternVertices, girih_pattern_vertices)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERN_INDICES, GirihPatternIndices, girih_pattern_indices)
-GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_INSTANCES, GirihInstances, girih_instances)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_BLOCKS, GirihBlocks, girih_blocks)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_LEVELS, GirihLevels, girih_levels)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_KEYS, GirihKeys, girih_keys)
@@ -89,21 +143,10 @@ GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_INDICES, GirihOutIndices, girih_o
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_CLOSED_INDICES, GirihOutClosedIndices, girih_out_closed_indices)
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, girih_out_sources)
 
-#define VERTEX_PAIRS(I) girih_vertices GIRIH_AT_PAIR(GIRIH_BIND_VERTICES, I)
-#define ATTRIBUTES(I) girih_attributes GIRIH_AT(GIRIH_BIND_ATTRIBUTES, I)
-#define TRIANGLE_VERTICES(I) girih_triangle_vertices GIRIH_AT(GIRIH_BIND_TRIANGLE_VERTICES, I)
-#define TRIANGLE_EDGES(I) girih_triangle_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_EDGES, I)
-#define TRIANGLE_MATERIALS(I) girih_triangle_materials GIRIH_AT(GIRIH_BIND_TRIANGLE_MATERIALS, I)
 #define EDGE_POINTS(I) girih_edge_points GIRIH_AT_PAIR(GIRIH_BIND_EDGE_POINTS, I)
-#define SEAMS(I) girih_seams GIRIH_AT(GIRIH_BIND_SEAMS, I)
-#define TRIANGLE_WELD_EDGES(I) girih_triangle_weld_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_WELD_EDGES, I)
-#define WELD_EDGE_EDGES(I) girih_weld_edge_edges GIRIH_AT(GIRIH_BIND_WELD_EDGE_EDGES, I)
-#define WELD_POINTS(I) girih_weld_points GIRIH_AT(GIRIH_BIND_WELD_POINTS, I)
-#define EDGE_WELD_EDGES(I) girih_edge_weld_edges GIRIH_AT(GIRIH_BIND_EDGE_WELD_EDGES, I)
 #define PATTERNS(I) girih_patterns GIRIH_AT(GIRIH_BIND_PATTERNS, I)
 #define PATTERN_VERTICES(I) girih_pattern_vertices GIRIH_AT(GIRIH_BIND_PATTERN_VERTICES, I)
 #define PATTERN_INDICES(I) girih_pattern_indices GIRIH_AT(GIRIH_BIND_PATTERN_INDICES, I)
-#define INSTANCES(I) girih_instances GIRIH_AT(GIRIH_BIND_INSTANCES, I)
 #define BLOCKS(I) girih_blocks GIRIH_AT(GIRIH_BIND_BLOCKS, I)
 #define LEVELS(I) girih_levels GIRIH_AT(GIRIH_BIND_LEVELS, I)
 #define KEYS(I) girih_keys GIRIH_AT(GIRIH_BIND_KEYS, I)
@@ -131,13 +174,6 @@ uint girih_range_rank(uint range) {
     return PATTERNS(frame.pattern_count * GIRIH_PATTERN_WORDS + range);
 }
 
-uint girih_instance(uint instance, uint field) {
-    if (!girih_has(GIRIH_VARIANT_INSTANCES)) {
-        return frame.only_instance[field >> 2][field & 3u];
-    }
-    return INSTANCES(instance * GIRIH_INSTANCE_WORDS + field);
-}
-
 // The instance that the plan's triangle, edge or weld edge `number` belongs to: `first` is the field
 // with an instance's first number, `blocks` where the words for this kind begin in BLOCKS.
 uint girih_find_instance(uint number, uint first, uint blocks) {
@@ -155,5 +191,7 @@ uint girih_find_instance(uint number, uint first, uint blocks) {
 uint girih_invocation() {
     return (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
 }
+
+#endif
 
 #endif

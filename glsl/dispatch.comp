@@ -197,7 +197,8 @@ void main() {
             uint draw = group * GIRIH_DRAW_WORDS;
             DRAWS(draw) = 3u * girih_pattern(rank, GIRIH_PATTERN_TRIANGLES);
             DRAWS(draw + 1u) = count;
-            DRAWS(draw + 2u) = girih_pattern(rank, mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
+            DRAWS(draw + 2u) = frame.first_index +
+                girih_pattern(rank, mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
             DRAWS(draw + 3u) = girih_pattern(rank, GIRIH_PATTERN_FIRST_VERTEX);
             DRAWS(draw + 4u) = items.x;
         }
@@ -271,7 +272,7 @@ void main() {
     if (frame.pattern_draws == 0u) {
         uint first = GROUPS(low * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_TRIANGLE);
         uint end = GROUPS(high * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_TRIANGLE);
-        arguments = uint[5](3u * (end - first), 1u, 3u * first, 0u, 0u);
+        arguments = uint[5](3u * (end - first), 1u, frame.first_list_index + 3u * first, 0u, 0u);
     } else if (draw < first_draw(high)) {
         // The last group whose first draw is not beyond this one; empty groups share their successor's.
         while (high - low > 1u) {
@@ -291,7 +292,8 @@ void main() {
         bool mirror = range != girih_pattern(rank, GIRIH_PATTERN_RANGE);
         arguments[0] = count * 3u * girih_pattern(rank, GIRIH_PATTERN_TRIANGLES);
         arguments[1] = 1u;
-        arguments[2] = girih_pattern(rank, mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
+        arguments[2] = frame.first_index +
+            girih_pattern(rank, mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
         arguments[3] = GROUPS(word + GIRIH_GROUP_FIRST_VERTEX) + first * girih_pattern(rank, GIRIH_PATTERN_VERTICES);
     }
     for (uint n = 0u; n < GIRIH_DRAW_WORDS; ++n) {

@@ -1,12 +1,52 @@
-// girih in a host's own vertex shader. Before the include, define
+// girih in a host's own shaders.
+//
+// In a vertex shader, define before the include
 //   GIRIH_MODE     0: instanced; 1: baked or welded
-//   GIRIH_SURFACE  0: flat; 1: Curved PN triangles
-// and where the instanced mode's attributes are wanted, GIRIH_SET: the descriptor set number that
-// girih_cmd_draw binds. girih_point() gives the vertex in both modes alike, and the pipeline's vertex
-// input is girih_plan_vertex_input's. Instanced, girih takes the input locations 0 to 13; baked, 0 and
-// 1, and the attributes are the host's to declare: floats of binding 1 from byte 12 on.
+//   GIRIH_SURFACE  0: flat; 1: Curved PN triangles; 2: the host's own
+// and for the instanced mode, where attributes are wanted or the surface is an own one,
+//   GIRIH_SET      the descriptor set number that girih_cmd_draw is given.
+// girih_point() gives the vertex in all modes alike, and the pipeline's vertex input is
+// girih_plan_vertex_input's. Instanced, girih takes the input locations 0 to 13 at most; baked, 0 and 1,
+// and the attributes are the host's to declare: floats of binding 1 from byte 12 on. No push constants
+// and no specialization constants are used.
+//
+// An own surface is one function, defined after the include:
+//   vec3 girih_surface(GirihPatch patch_, vec3 barycentric)
+// from a patch (surfaces.glsl) and the weights of its corners to a point in the world. It may call
+//   vec3 girih_base_position(patch_, barycentric)    the base surface: GIRIH_BASE 0 flat, 1 (the default)
+//                                                    Curved PN triangles
+//   vec3 girih_base_normal(patch_, barycentric)      its unit normal
+//   float girih_attribute(patch_, n, barycentric)    float n of the vertices' attributes
+// and read textures and buffers of the host's. Normals are worked out from it (own.glsl) unless
+// GIRIH_SURFACE_NORMAL is defined; then the host defines
+//   vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric)
+// too. girih_previous_position() is the vertex where it was in the previous frame: patch_.previous tells
+// the function so.
+//
+// The same surface in baking is a compute shader of its own, for girih_surface_program_create:
+//   #version 450
+//   #extension GL_GOOGLE_include_directive : require
+//   #define GIRIH_BAKE
+//   #include "girih.glsl"
+//   ... girih_surface ...
+// compiled once as it is and once with GIRIH_FEW_BUFFERS. Its own textures and buffers are in descriptor
+// set GIRIH_SURFACE_SET: 1, unless GIRIH_SET is defined as the number of the host's own sets
+// (girih_context_desc.host_set_layout_count): then the one after it. GIRIH_PUSH_OFFSET is
+// girih_context_desc.push_constant_offset. In a vertex shader GIRIH_SURFACE_SET is the host's to define.
 #ifndef GIRIH_GLSL
 #define GIRIH_GLSL
+
+#ifdef GIRIH_BAKE
+
+#ifndef GIRIH_SET
+#define GIRIH_SET 0
+#endif
+#define GIRIH_SURFACE_SET (GIRIH_SET + 1)
+#define GIRIH_SURFACE 2
+#define GIRIH_KERNEL 1
+#include "evaluate.glsl"
+
+#else
 
 struct GirihPoint {
     vec3 position;   // world
@@ -18,9 +58,57 @@ struct GirihPoint {
 
 #if GIRIH_MODE == 0
 
+layout(location = 0) in uint girih_pattern_vertex; // u | v << 16, over 32768
+
+uvec3 girih_pattern_weights() {
+    uint u = girih_pattern_vertex & 0xffffu;
+    uint v = girih_pattern_vertex >> 16;
+    return uvec3(u, v, 32768u - u - v);
+}
+
+#if GIRIH_SURFACE == 2
+
+#define GIRIH_VERTEX
+#include "own.glsl"
+
+layout(location = 1) in uvec4 girih_record; // scene triangle, instance, key, base pattern
+
+GirihPoint girih_point() {
+    uvec3 weights = girih_input_weights(girih_record.z & 7u, girih_pattern_weights());
+    GirihPlaces places = girih_find_places(girih_record.x, weights);
+    GirihPatch patch_ = girih_own_patch(places.position.triangle, girih_record.y, false);
+    vec3 b = girih_barycentric(places.position.weights);
+    GirihPoint point;
+    point.position = girih_own_position(patch_, b);
+    point.normal = girih_own_normal(patch_, b);
+    if (!places.smooth_) {
+        point.normal = girih_own_normal(girih_own_patch(places.normal.triangle, girih_record.y, false),
+                                        girih_barycentric(places.normal.weights));
+    }
+    point.key = girih_record.z;
+    // Attributes are permuted as the library's own surfaces permute them: sums round by their order.
+    uint corners = GIRIH_LAMBDA_CORNERS(girih_record.z & 7u);
+    for (uint n = 0u; n < 3u; ++n) {
+        point.vertices[n] = TRIANGLE_VERTICES(3u * girih_record.x + (corners >> (2u * n) & 3u));
+    }
+    point.barycentric = girih_barycentric(girih_pattern_weights());
+    return point;
+}
+
+vec3 girih_previous_position() {
+    uvec3 weights = girih_input_weights(girih_record.z & 7u, girih_pattern_weights());
+    GirihPlace place = girih_find_places(girih_record.x, weights).position;
+    return girih_own_position(girih_own_patch(place.triangle, girih_record.y, true), girih_barycentric(place.weights));
+}
+
+float girih_draw_attribute(uint vertex, uint n, uint attribute_floats) {
+    return uintBitsToFloat(ATTRIBUTES(vertex * attribute_floats + n));
+}
+
+#else
+
 #include "surfaces.glsl"
 
-layout(location = 0) in uint girih_pattern_vertex; // u | v << 16, over 32768
 layout(location = 1) in vec4 girih_patch_0;
 layout(location = 2) in vec4 girih_patch_1;
 layout(location = 3) in vec4 girih_patch_2;
@@ -72,10 +160,8 @@ GirihPatch girih_input_patch() {
 
 GirihPoint girih_point() {
     GirihPatch p = girih_input_patch();
-    uint u = girih_pattern_vertex & 0xffffu;
-    uint v = girih_pattern_vertex >> 16;
     GirihPoint point;
-    point.barycentric = vec3(float(u), float(v), float(32768u - u - v)) * (1.0 / 32768.0);
+    point.barycentric = girih_barycentric(girih_pattern_weights());
     point.position = girih_patch_position(p, point.barycentric.x, point.barycentric.y, point.barycentric.z);
     point.normal = girih_patch_unit_normal(p, point.barycentric.x, point.barycentric.y, point.barycentric.z);
     point.key = girih_patch_ids.w;
@@ -84,15 +170,24 @@ GirihPoint girih_point() {
 }
 
 #ifdef GIRIH_SET
-layout(std430, set = GIRIH_SET, binding = 0) readonly buffer GirihDrawAttributes {
+#include "shared.h"
+layout(std430, set = GIRIH_SET, binding = GIRIH_BIND_DRAW_ATTRIBUTES) readonly buffer GirihDrawAttributes {
     float girih_draw_attributes[];
 };
 
+float girih_draw_attribute(uint vertex, uint n, uint attribute_floats) {
+    return girih_draw_attributes[vertex * attribute_floats + n];
+}
+#endif
+
+#endif
+
+#ifdef GIRIH_SET
 // Float n of the point's attributes, attribute_floats to a vertex.
 float girih_attribute(GirihPoint point, uint n, uint attribute_floats) {
-    return girih_no_negative_zero(girih_patch_attribute(girih_draw_attributes[point.vertices.x * attribute_floats + n],
-                                                        girih_draw_attributes[point.vertices.y * attribute_floats + n],
-                                                        girih_draw_attributes[point.vertices.z * attribute_floats + n],
+    return girih_no_negative_zero(girih_patch_attribute(girih_draw_attribute(point.vertices.x, n, attribute_floats),
+                                                        girih_draw_attribute(point.vertices.y, n, attribute_floats),
+                                                        girih_draw_attribute(point.vertices.z, n, attribute_floats),
                                                         point.barycentric.x, point.barycentric.y, point.barycentric.z));
 }
 #endif
@@ -107,4 +202,6 @@ GirihPoint girih_point() {
 }
 
 #endif
+#endif
+
 #endif

@@ -4,8 +4,7 @@
 
 #include "scene.glsl"
 
-// A random number from an edge's end points; the edge's ends stand in canonical order, so both
-// triangles at it agree.
+// A random number from an edge's end points in canonical order, so that both triangles at it agree.
 uint hash_word(uint hash, uint word) {
     hash ^= word;
     hash *= 0x7feb352du;
@@ -15,7 +14,17 @@ uint hash_word(uint hash, uint word) {
     return hash;
 }
 
+bool is_before(vec3 p, vec3 q) {
+    return p.x < q.x || (p.x == q.x && (p.y < q.y || (p.y == q.y && p.z < q.z)));
+}
+
 uint hash_edge(uint seed, vec3 p, vec3 q) {
+    // The ends stand in canonical order where the mesh was prepared; it may have moved since.
+    if (is_before(q, p)) {
+        vec3 first = q;
+        q = p;
+        p = first;
+    }
     uint hash = hash_word(0x9e3779b9u, seed);
     for (int n = 0; n < 3; ++n) {
         hash = hash_word(hash, floatBitsToUint(p[n]));
@@ -51,8 +60,8 @@ void main() {
     uint instance = girih_find_instance(edge, GIRIH_INSTANCE_FIRST_EDGE, frame.edge_blocks);
     uint scene_edge = edge - girih_instance(instance, GIRIH_INSTANCE_EDGE_DELTA);
     uvec2 points = EDGE_POINTS(scene_edge);
-    vec3 p = girih_vertex_position(points.x);
-    vec3 q = girih_vertex_position(points.y);
+    vec3 p = girih_point_position(points.x);
+    vec3 q = girih_point_position(points.y);
     uint level = 0u;
     uint last = frame.level_count - 1u;
     bool clamped;
@@ -69,7 +78,7 @@ void main() {
     } else {
         precise float distance_squared = frame.near_squared;
         if (rule == GIRIH_LEVELS_LENGTH) {
-            GirihTransform transform = girih_instance_transform(instance);
+            GirihTransform transform = girih_instance_transform(instance, GIRIH_INSTANCE_TRANSFORM);
             p = girih_transform_point(transform, p);
             q = girih_transform_point(transform, q);
             if (frame.eye.w != 0.0) {

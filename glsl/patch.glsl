@@ -3,8 +3,7 @@
 #define GIRIH_PATCH_GLSL
 
 #include "girih_permutation.h"
-#include "pn.glsl"
-#include "surfaces.glsl"
+#include "gather.glsl"
 
 // One item as evaluate and output see it.
 struct GirihItem {
@@ -42,8 +41,7 @@ GirihItem girih_read_item(uint number, bool overflow) {
     item.lambda = key & 7u;
     if (overflow) {
         // Drawn at level 0: base pattern [0,0,0], whose permutation only has to keep the winding.
-        bool mirror = (girih_instance(item.instance, GIRIH_INSTANCE_FLAGS) & GIRIH_INSTANCE_MIRRORED) != 0u;
-        item.lambda = mirror ? GIRIH_LAMBDA_ODD_IJ(0u) : 0u;
+        item.lambda = girih_instance_mirrored(item.instance) ? GIRIH_LAMBDA_ODD_IJ(0u) : 0u;
     }
     uint rank = girih_group(item.group, GIRIH_GROUP_RANK);
     item.rank = rank & ~GIRIH_GROUP_MIRRORED;
@@ -65,41 +63,16 @@ void girih_item_vertices(GirihItem item, out uint vertices[3]) {
 }
 
 GirihPatch girih_item_patch(GirihItem item, uint vertices[3]) {
-    vec3 p[3];
-    vec3 n[3];
-    for (uint corner = 0u; corner < 3u; ++corner) {
-        girih_vertex(vertices[corner], p[corner], n[corner]);
-    }
-    GirihTransform t = girih_instance_transform(item.instance);
-    GirihTransform nt = girih_instance_normal_transform(item.instance);
-    GirihPatch patch_;
-    patch_.b300 = girih_transform_point(t, p[0]);
-    patch_.b030 = girih_transform_point(t, p[1]);
-    patch_.b003 = girih_transform_point(t, p[2]);
-    patch_.n200 = girih_transform_point(nt, n[0]);
-    patch_.n020 = girih_transform_point(nt, n[1]);
-    patch_.n002 = girih_transform_point(nt, n[2]);
-#if GIRIH_SURFACE == 1
-    uint edges[3];
+    uint edges[3] = uint[3](0u, 0u, 0u);
+#if GIRIH_CURVED == 1
     for (uint edge = 0u; edge < 3u; ++edge) {
         edges[edge] = TRIANGLE_EDGES(3u * item.scene_triangle + item.edges[edge]);
         if (item.odd) {
             edges[edge] ^= GIRIH_EDGE_REVERSED;
         }
     }
-    GirihPnPoints c = girih_pn_points(p, n, edges, girih_instance(item.instance, GIRIH_INSTANCE_SEAM_DELTA));
-    patch_.b210 = girih_transform_point(t, c.b210);
-    patch_.b120 = girih_transform_point(t, c.b120);
-    patch_.b021 = girih_transform_point(t, c.b021);
-    patch_.b012 = girih_transform_point(t, c.b012);
-    patch_.b102 = girih_transform_point(t, c.b102);
-    patch_.b201 = girih_transform_point(t, c.b201);
-    patch_.b111 = girih_transform_point(t, c.b111);
-    patch_.n110 = girih_transform_point(nt, girih_pn_edge_normal(p[0], p[1], n[0], n[1]));
-    patch_.n011 = girih_transform_point(nt, girih_pn_edge_normal(p[1], p[2], n[1], n[2]));
-    patch_.n101 = girih_transform_point(nt, girih_pn_edge_normal(p[2], p[0], n[2], n[0]));
 #endif
-    return patch_;
+    return girih_gather_patch(item.instance, vertices, edges, false);
 }
 
 // Read before anything diverges, where a CPU device loads it once for all lanes.

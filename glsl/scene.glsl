@@ -6,41 +6,48 @@
 #include "math.glsl"
 
 // A vertex is three pairs of words: position x y, z and normal x, normal y z.
-vec3 girih_vertex_position(uint vertex) {
-    uint pair = vertex * (GIRIH_VERTEX_WORDS / 2);
-    return vec3(uintBitsToFloat(VERTEX_PAIRS(pair)), uintBitsToFloat(VERTEX_PAIRS(pair + 1u).x));
-}
-
 vec3 girih_vertex_normal(uint vertex) {
     uint pair = vertex * (GIRIH_VERTEX_WORDS / 2) + 1u;
     return vec3(uintBitsToFloat(VERTEX_PAIRS(pair).y), uintBitsToFloat(VERTEX_PAIRS(pair + 1u)));
 }
 
-void girih_vertex(uint vertex, out vec3 position, out vec3 normal) {
+// The position of a vertex that stands for its point.
+vec3 girih_point_position(uint vertex) {
     uint pair = vertex * (GIRIH_VERTEX_WORDS / 2);
+    vec3 position = vec3(uintBitsToFloat(VERTEX_PAIRS(pair)), uintBitsToFloat(VERTEX_PAIRS(pair + 1u).x));
+    // Mesh preparation stores no -0; a host that moves vertices may.
+    return girih_has(GIRIH_VARIANT_DYNAMIC) ? girih_no_negative_zero(position) : position;
+}
+
+// `first`: 0, or frame.previous_vertices.
+void girih_vertex(uint vertex, uint first, out vec3 position, out vec3 normal) {
+    uint pair = (vertex + first) * (GIRIH_VERTEX_WORDS / 2);
     uvec2 middle = VERTEX_PAIRS(pair + 1u);
-    position = vec3(uintBitsToFloat(VERTEX_PAIRS(pair)), uintBitsToFloat(middle.x));
     normal = vec3(uintBitsToFloat(middle.y), uintBitsToFloat(VERTEX_PAIRS(pair + 2u)));
-}
-
-float girih_instance_float(uint instance, uint field) {
-    return uintBitsToFloat(girih_instance(instance, field));
-}
-
-GirihTransform girih_instance_transform(uint instance) {
-    float m[12];
-    for (uint n = 0u; n < 12u; ++n) {
-        m[n] = girih_instance_float(instance, GIRIH_INSTANCE_TRANSFORM + n);
+    if (girih_has(GIRIH_VARIANT_DYNAMIC)) {
+        // Rounding may move duplicates of a point apart: only the one that stands for it counts.
+        position = girih_point_position(WELD_POINTS(vertex) + first);
+    } else {
+        position = vec3(uintBitsToFloat(VERTEX_PAIRS(pair)), uintBitsToFloat(middle.x));
     }
-    return GirihTransform(vec4(m[0], m[1], m[2], m[3]), vec4(m[4], m[5], m[6], m[7]), vec4(m[8], m[9], m[10], m[11]));
+}
+
+// `field`: GIRIH_INSTANCE_TRANSFORM or _PREVIOUS.
+GirihTransform girih_instance_transform(uint instance, uint field) {
+    return GirihTransform(uintBitsToFloat(girih_instance_four(instance, field)),
+                          uintBitsToFloat(girih_instance_four(instance, field + 4u)),
+                          uintBitsToFloat(girih_instance_four(instance, field + 8u)));
 }
 
 GirihTransform girih_instance_normal_transform(uint instance) {
-    float m[9];
-    for (uint n = 0u; n < 9u; ++n) {
-        m[n] = girih_instance_float(instance, GIRIH_INSTANCE_NORMAL + n);
-    }
-    return GirihTransform(vec4(m[0], m[1], m[2], 0.0), vec4(m[3], m[4], m[5], 0.0), vec4(m[6], m[7], m[8], 0.0));
+    return GirihTransform(
+        vec4(uintBitsToFloat(girih_instance_four(instance, GIRIH_INSTANCE_NORMAL).xyz), 0.0),
+        vec4(uintBitsToFloat(girih_instance_four(instance, GIRIH_INSTANCE_NORMAL + 4u).xyz), 0.0),
+        vec4(uintBitsToFloat(girih_instance_four(instance, GIRIH_INSTANCE_NORMAL + 8u).xyz), 0.0));
+}
+
+bool girih_instance_mirrored(uint instance) {
+    return (girih_instance(instance, GIRIH_INSTANCE_FLAGS) & GIRIH_INSTANCE_MIRRORED) != 0u;
 }
 
 #endif

@@ -7,8 +7,9 @@
 
 // Whether all of a triangle's patch is outside the frustum or faces away. The bounds are those of the
 // curved surface: a Bezier patch lies in the box of its control points, and its normal, the cross
-// product of its two derivatives, in a ball around the flat triangle's normal. `p` are the mesh-space
-// control points, the corners first.
+// product of its two derivatives, in a ball around the flat triangle's normal. A host's surface lies
+// within frame.reach of the box, and nothing is known of its normals. `p` are the mesh-space control
+// points, the corners first.
 bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
     vec3 low = p[0];
     vec3 high = p[0];
@@ -17,12 +18,12 @@ bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
         high = max(high, p[n]);
     }
     precise vec3 centre = (low + high) * 0.5;
-    precise vec3 extent = (high - low) * 0.5;
-    GirihTransform t = girih_instance_transform(instance);
+    precise vec3 extent = (high - low) * 0.5 + frame.reach;
+    GirihTransform t = girih_instance_transform(instance, GIRIH_INSTANCE_TRANSFORM);
     if ((frame.cull & GIRIH_CULL_FRUSTUM) != 0u) {
         vec3 world = girih_transform_point(t, centre);
         // Bounds |world| of every point of the box and of every sum on the way to it.
-        vec3 far = max(abs(low), abs(high));
+        precise vec3 far = max(abs(low), abs(high)) + frame.reach;
         precise vec3 size = vec3(girih_dot(abs(t.row0.xyz), far) + abs(t.row0.w),
                                  girih_dot(abs(t.row1.xyz), far) + abs(t.row1.w),
                                  girih_dot(abs(t.row2.xyz), far) + abs(t.row2.w));
@@ -47,7 +48,7 @@ bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
         precise vec3 along2 = w[1] - w[0];
         precise vec3 along3 = w[2] - w[0];
         vec3 normal = girih_cross(along2, along3);
-        if ((girih_instance(instance, GIRIH_INSTANCE_FLAGS) & GIRIH_INSTANCE_MIRRORED) != 0u) {
+        if (girih_instance_mirrored(instance)) {
             normal = -normal;
         }
         // How far the derivatives' control vectors stray from the flat triangle's edges.
@@ -116,12 +117,12 @@ void main() {
         vec3 corners[3];
         for (uint n = 0u; n < 3u; ++n) {
             uint vertex = TRIANGLE_VERTICES(3u * scene_triangle + n);
-            girih_vertex(vertex, corners[n], normals[n]);
+            girih_vertex(vertex, 0u, corners[n], normals[n]);
             p[n] = corners[n];
         }
         int count = 3;
 #if GIRIH_SURFACE == 1
-        GirihPnPoints c = girih_pn_points(corners, normals, edges, girih_instance(instance, GIRIH_INSTANCE_SEAM_DELTA));
+        GirihPnPoints c = girih_pn_points(corners, normals, edges, girih_instance(instance, GIRIH_INSTANCE_SEAM_DELTA), 0u);
         p[3] = c.b210;
         p[4] = c.b120;
         p[5] = c.b021;
@@ -163,7 +164,7 @@ void main() {
     // An odd permutation turns the winding round, and so does a mirroring transform. Where two levels
     // are equal, permutations of either parity serve, so the one that keeps the winding is taken;
     // three distinct levels leave no choice and take the mirrored range.
-    bool mirrored = (girih_instance(instance, GIRIH_INSTANCE_FLAGS) & GIRIH_INSTANCE_MIRRORED) != 0u;
+    bool mirrored = girih_instance_mirrored(instance);
     uint range = 0u;
     if (i == j || j == k) {
         lambda = GIRIH_LAMBDA_EVEN(lambda);

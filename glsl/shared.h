@@ -8,7 +8,8 @@
 // The scene's arrays are those of girih_mesh for all meshes one after another, with vertex, edge and
 // weld edge numbers counted through.
 #define GIRIH_BIND_FRAME 0            // uniform: GirihFrame
-#define GIRIH_BIND_VERTICES 1         // scene: position and normal, 6 floats
+#define GIRIH_BIND_VERTICES 1         // scene: position and normal, 6 floats; where the scene keeps them, the
+                                      // same again as they were in the previous frame
 #define GIRIH_BIND_ATTRIBUTES 2       // scene: attribute_floats floats a vertex
 #define GIRIH_BIND_TRIANGLE_VERTICES 3 // scene: 3
 #define GIRIH_BIND_TRIANGLE_EDGES 4   // scene: 3 x (edge | GIRIH_EDGE_REVERSED | GIRIH_EDGE_SEAM)
@@ -16,9 +17,11 @@
 #define GIRIH_BIND_EDGE_POINTS 6      // scene: 2 vertices
 #define GIRIH_BIND_SEAMS 7            // scene: 4 vertices
 #define GIRIH_BIND_TRIANGLE_WELD_EDGES 8 // scene: 3 x (weld edge | GIRIH_WELD_REVERSED)
-#define GIRIH_BIND_WELD_EDGE_EDGES 9  // scene: its edge
-#define GIRIH_BIND_WELD_POINTS 10     // scene: per vertex the vertex that stands for its point
-#define GIRIH_BIND_EDGE_WELD_EDGES 11 // scene: per edge the weld edge that stands for all of its own
+#define GIRIH_BIND_WELD_EDGES 9       // scene: its edge, and the triangle's edge (3 * triangle + 0..2) that owns it
+#define GIRIH_BIND_POINTS 10          // scene: per vertex the vertex that stands for its point, and the
+                                      // corner (3 * triangle + 0..2) that owns the vertex
+#define GIRIH_BIND_EDGES 11           // scene: per edge the weld edge that stands for all of its own, and the
+                                      // triangle's edge (3 * triangle + 0..2) that owns it
 #define GIRIH_BIND_PATTERNS 12        // catalogue: GIRIH_PATTERN_WORDS a rank, then one word a range: rank
 #define GIRIH_BIND_PATTERN_VERTICES 13 // catalogue: u | v << 16
 #define GIRIH_BIND_PATTERN_INDICES 14 // catalogue: 2 or 4 bytes each
@@ -35,7 +38,8 @@
 #define GIRIH_BIND_DRAWS 24           // plan: VkDrawIndexedIndirectCommand
 #define GIRIH_BIND_WELD_OFFSETS 25    // plan: per instance's weld edge, its first output vertex
 #define GIRIH_BIND_OUT_POSITIONS 26   // output: 3 floats, in windows
-#define GIRIH_BIND_OUT_ATTRIBUTES 27  // output: normal and attributes, in windows; instanced: patches
+#define GIRIH_BIND_OUT_ATTRIBUTES 27  // output: normal, attributes and, where wanted, the previous frame's
+                                      // position, in windows; instanced: patches
 #define GIRIH_BIND_OUT_INDICES 28     // output: 3 a triangle, in windows
 #define GIRIH_BIND_OUT_CLOSED_INDICES 29 // output: 3 a triangle, in windows
 #define GIRIH_BIND_OUT_SOURCES 30     // output: instance and triangle of each output triangle, in windows
@@ -64,19 +68,22 @@
 // Triangles, edges and weld edges of all instances are counted through as the plan's; "first" is the
 // plan's number of an instance's first one, and the one after the last instance closes the last
 // range. Deltas turn a scene number into a plan number by wrapping addition.
-#define GIRIH_INSTANCE_WORDS 32
-#define GIRIH_INSTANCE_TRANSFORM 0      // 12 floats: rows of mesh to world
-#define GIRIH_INSTANCE_NORMAL 12        // 9 floats: rows of the inverse transpose, times |determinant|
-#define GIRIH_INSTANCE_FLAGS 21
-#define GIRIH_INSTANCE_FIRST_TRIANGLE 22
-#define GIRIH_INSTANCE_FIRST_EDGE 23
-#define GIRIH_INSTANCE_FIRST_WELD_EDGE 24
-#define GIRIH_INSTANCE_TRIANGLE_DELTA 25 // plan triangle = scene triangle + delta
-#define GIRIH_INSTANCE_EDGE_DELTA 26     // plan edge = scene edge + delta
-#define GIRIH_INSTANCE_WELD_DELTA 27     // plan weld edge = scene weld edge + delta
-#define GIRIH_INSTANCE_VERTEX_DELTA 28   // welded output vertex of a corner = scene vertex + delta
-#define GIRIH_INSTANCE_SEAM_DELTA 29     // seam = scene edge + delta
-#define GIRIH_INSTANCE_MESH_TRIANGLE 30  // the mesh's first scene triangle
+#define GIRIH_INSTANCE_WORDS 48
+#define GIRIH_INSTANCE_TRANSFORM 0       // 12 floats: rows of mesh to world
+#define GIRIH_INSTANCE_NORMAL 12         // 3 rows of 3 floats and the next three words: the inverse
+                                         // transpose, times |determinant|
+#define GIRIH_INSTANCE_FLAGS 15
+#define GIRIH_INSTANCE_SCALE 19          // float: the cube root of |determinant|
+#define GIRIH_INSTANCE_MESH_TRIANGLE 23  // the mesh's first scene triangle
+#define GIRIH_INSTANCE_PREVIOUS 24       // 12 floats: the transform of the previous frame
+#define GIRIH_INSTANCE_FIRST_TRIANGLE 36
+#define GIRIH_INSTANCE_FIRST_EDGE 37
+#define GIRIH_INSTANCE_FIRST_WELD_EDGE 38
+#define GIRIH_INSTANCE_TRIANGLE_DELTA 40 // plan triangle = scene triangle + delta
+#define GIRIH_INSTANCE_EDGE_DELTA 41     // plan edge = scene edge + delta
+#define GIRIH_INSTANCE_SEAM_DELTA 42     // seam = scene edge + delta
+#define GIRIH_INSTANCE_WELD_DELTA 43     // plan weld edge = scene weld edge + delta
+#define GIRIH_INSTANCE_VERTEX_DELTA 44   // welded output vertex of a corner = scene vertex + delta
 
 #define GIRIH_INSTANCE_MIRRORED 1u       // the transform turns the winding round
 
@@ -160,7 +167,7 @@
     VEC4 planes[6];          /* world, inside where n.p + d >= 0 */ \
     VEC4 eye;                /* w = 1: the eye; w = 0: the direction towards the viewer */ \
     UVEC4 bases[8];          /* first word of each binding's array, where arrays share a buffer */ \
-    UVEC4 only_instance[8];  /* the record of the first instance, for plans that have no other */ \
+    UVEC4 only_instance[12]; /* the record of the first instance, for plans that have no other */ \
     UINT rule; \
     UINT uniform_level; \
     UINT random_segments; \
@@ -192,7 +199,13 @@
     UINT triangle_blocks;    /* first word in BLOCKS of the triangles' instances */ \
     UINT edge_blocks; \
     UINT weld_blocks; \
-    UINT uniform_clamped;    /* 1: uniform_level has fewer segments than were asked for */
+    UINT uniform_clamped;    /* 1: uniform_level has fewer segments than were asked for */ \
+    UINT attribute_stride;   /* words of an output vertex in OUT_ATTRIBUTES */ \
+    UINT previous_vertices;  /* first vertex of the previous frame's VERTICES; 0: they are the current ones */ \
+    UINT variant;            /* GIRIH_VARIANT_*, for shaders that are not specialized */ \
+    UINT first_index;        /* of the catalogue's indices in the buffer that draws bind */ \
+    UINT first_list_index;   /* of OUT_INDICES in the buffer that draws bind */ \
+    FLOAT reach;             /* mesh units: how far the surface strays from its control points' box */
 
 // What differs between the dispatches of one frame.
 #define GIRIH_PUSH_BLOCK(UINT) \
@@ -214,6 +227,8 @@
 #define GIRIH_VARIANT_CULL 8u           // select culls
 #define GIRIH_VARIANT_WELDED 16u        // GIRIH_OUTPUT_WELDED
 #define GIRIH_VARIANT_RULE_SHIFT 5u     // levels: the rule, 3 bits
+#define GIRIH_VARIANT_DYNAMIC 256u      // the host moves the vertices: positions are read through POINTS
+#define GIRIH_VARIANT_PREVIOUS 512u     // the previous frame's positions are written too
 
 // --- Modes and workgroups -----------------------------------------------------------------------------
 #define GIRIH_OUTPUT_INSTANCED 0u
@@ -234,6 +249,13 @@
 // In world space, corners already permuted by lambda, so that the base pattern applies unchanged.
 #define GIRIH_PATCH_WORDS_FLAT 24       // corners 3x3, normals 3x3, ids 4, padding 2
 #define GIRIH_PATCH_WORDS_PN 52         // control points 10x3, normals 6x3, ids 4
+#define GIRIH_PATCH_WORDS_OWN 4         // scene triangle, instance, key, rank: the vertex shader gathers the rest
 // ids: the three vertices (for attributes), then the item's key
+
+// --- The descriptor set of girih.glsl in a host's vertex shader ------------------------------------------
+//
+// Surfaces of the library's own read DRAW_ATTRIBUTES alone. A host's surface gathers its patches in the
+// vertex shader, from the arrays as they lie where buffers are few: FRAME, SHARED_SCENE, SHARED_PLAN.
+#define GIRIH_BIND_DRAW_ATTRIBUTES 2
 
 #endif

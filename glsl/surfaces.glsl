@@ -1,8 +1,10 @@
 // Surfaces: a patch of three corners and their surroundings, and its points. GIRIH_SURFACE chooses:
-// 0 flat, 1 Curved PN triangles (Vlachos et al. 2001).
+// 0 flat, 1 Curved PN triangles (Vlachos et al. 2001), 2 a host's own (own.glsl) over GIRIH_BASE: 0
+// flat, 1 Curved PN triangles.
 //
-// All control points are in world space and permuted by lambda, so that the base pattern's (u,v,w)
-// apply to the corners 1, 2, 3 as they are.
+// All control points are in world space. Those of the library's own surfaces are permuted by lambda, so
+// that the base pattern's (u,v,w) apply to the corners 1, 2, 3 as they are; a host's surface gets them
+// in the order of the input.
 //
 // Sums are grouped symmetrically: ((b300 u^3 + b030 v^3) + b003 w^3) + ((e12 + e23) + e31) + b111 term,
 // each e the sum of its edge's two terms. On an edge one barycentric is 0 and its terms vanish; what
@@ -12,7 +14,30 @@
 
 #include "math.glsl"
 
-#if GIRIH_SURFACE == 1
+#ifndef GIRIH_BASE
+#define GIRIH_BASE 1
+#endif
+#if GIRIH_SURFACE == 1 || (GIRIH_SURFACE == 2 && GIRIH_BASE == 1)
+#define GIRIH_CURVED 1
+#else
+#define GIRIH_CURVED 0
+#endif
+
+// What a host's surface may want to know beside the control points.
+#if GIRIH_SURFACE == 2
+#define GIRIH_PATCH_SOURCE \
+    uint vertices[3];  /* of the scene, for girih_attribute */ \
+    uint triangle;     /* of the scene */ \
+    uint instance;     /* of the plan */ \
+    uint material; \
+    float scale;       /* mesh units to world units: the cube root of the transform's |determinant| */ \
+    bool mirrored;     /* the transform turns the winding round */ \
+    bool previous;     /* as it was in the previous frame */
+#else
+#define GIRIH_PATCH_SOURCE
+#endif
+
+#if GIRIH_CURVED == 1
 
 struct GirihPatch {
     vec3 b300, b030, b003;
@@ -20,6 +45,7 @@ struct GirihPatch {
     vec3 b111;
     vec3 n200, n020, n002;
     vec3 n110, n011, n101;
+    GIRIH_PATCH_SOURCE
 };
 
 vec3 girih_patch_position(GirihPatch p, float u, float v, float w) {
@@ -46,6 +72,7 @@ vec3 girih_patch_normal(GirihPatch p, float u, float v, float w) {
 struct GirihPatch {
     vec3 b300, b030, b003;
     vec3 n200, n020, n002;
+    GIRIH_PATCH_SOURCE
 };
 
 vec3 girih_patch_position(GirihPatch p, float u, float v, float w) {
@@ -59,6 +86,10 @@ vec3 girih_patch_normal(GirihPatch p, float u, float v, float w) {
 }
 
 #endif
+
+vec3 girih_barycentric(uvec3 weights) {
+    return vec3(weights) * (1.0 / 32768.0);
+}
 
 // Linear interpolation of one attribute of the three corners.
 float girih_patch_attribute(float a, float b, float c, float u, float v, float w) {

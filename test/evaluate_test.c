@@ -393,6 +393,41 @@ static void patches_agree_with_baked_corners(void **state) {
     girih_mesh_destroy(mesh);
 }
 
+// On a dynamic mesh every edge between vertices of different numbers is a seam. Where the normals are
+// equal, the mean of both sides' curves is either's: the output is the same to the bit.
+static void dynamic_seams_change_nothing(void **state) {
+    (void)state;
+    for (int n = 0; n < CLOSED_MESHES; ++n) {
+        const girih_mesh *mesh = make_closed(n);
+        const girih_mesh *fixed = make_copy(mesh, NULL, 1, 0);
+        const girih_mesh *dynamic = make_copy(mesh, NULL, 1, 1);
+        assert_int_equal(dynamic->seam_count, dynamic->edge_count);
+        assert_int_equal(fixed->seam_count, mesh->seam_count);
+        assert_int_equal(fixed->dynamic, 0);
+        assert_int_equal(dynamic->dynamic, 1);
+        stages a =
+            stages_begin(girih_catalogue_linear(), &fixed, 1, three_instances, 3, baked);
+        stages b =
+            stages_begin(girih_catalogue_linear(), &dynamic, 1, three_instances, 3, baked);
+        for (uint32_t seed = 0; seed < 10; ++seed) {
+            const girih_frame frame = {.rule = GIRIH_LEVEL_RANDOM, .segments = 9, .seed = seed};
+            stages_refine(&a, &frame, GIRIH_SURFACE_PN);
+            stages_refine(&b, &frame, GIRIH_SURFACE_PN);
+            for (uint32_t binding = GIRIH_BIND_OUT_POSITIONS; binding <= GIRIH_BIND_OUT_SOURCES;
+                 ++binding) {
+                assert_int_equal(a.arrays.count[binding], b.arrays.count[binding]);
+                assert_memory_equal(a.arrays.words[binding], b.arrays.words[binding],
+                                    (size_t)a.arrays.count[binding] * sizeof(uint32_t));
+            }
+        }
+        stages_end(&a);
+        stages_end(&b);
+        girih_mesh_destroy(fixed);
+        girih_mesh_destroy(dynamic);
+        girih_mesh_destroy(mesh);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_meshes_stay_closed),
@@ -403,6 +438,7 @@ int main(void) {
         cmocka_unit_test(corners_are_the_inputs),
         cmocka_unit_test(normals_point_outward),
         cmocka_unit_test(patches_agree_with_baked_corners),
+        cmocka_unit_test(dynamic_seams_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

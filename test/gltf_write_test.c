@@ -115,6 +115,8 @@ static void materials_images_and_writing(void **state) {
              "\"materials\":[{\"name\":\"tiles\",\"extras\":{\"keep\":[1,\"me\"]},\"extensions\":"
              "{\"KHR_materials_unlit\":{},\"KHR_materials_ior\":{\"ior\":1.25}},\"alphaMode\":"
              "\"MASK\","
+             "\"normalTexture\":{\"index\":0,\"texCoord\":1,\"scale\":0.5,\"extensions\":"
+             "{\"KHR_texture_transform\":{\"offset\":[0.25,0],\"scale\":[4,1]}}},"
              "\"alphaCutoff\":0.25,\"doubleSided\":true,\"emissiveFactor\":[0.5,0,1],"
              "\"pbrMetallicRoughness\":"
              "{\"baseColorFactor\":[0.5,0.25,1,0.75],\"metallicFactor\":0.125,\"roughnessFactor\":"
@@ -156,14 +158,19 @@ static void materials_images_and_writing(void **state) {
     assert_true(material->base_color[3] == 0.75f && material->metallic == 0.125f &&
                 material->roughness == 0.5f);
     assert_true(material->emissive[0] == 0.5f && material->alpha_mode == GIRIH_GLTF_ALPHA_MASK);
-    assert_true(material->alpha_cutoff == 0.25f && material->double_sided && material->unlit &&
-                material->nearest);
-    assert_true(material->wrap_s == GIRIH_GLTF_WRAP_CLAMP &&
-                material->wrap_t == GIRIH_GLTF_WRAP_MIRROR);
-    assert_true(material->base_color_image == 0 && material->base_color_texcoord == 2);
-    assert_true(material->texcoord_offset[1] == 1 && material->texcoord_scale[1] == 0.25f);
-    assert_true(material->texcoord_rotation == 0.5f);
-    assert_int_equal(contents->materials[1].base_color_image, -1);
+    assert_true(material->alpha_cutoff == 0.25f && material->double_sided && material->unlit);
+    const girih_gltf_texture *texture = &material->base_color_texture;
+    assert_true(texture->nearest && texture->wrap_s == GIRIH_GLTF_WRAP_CLAMP &&
+                texture->wrap_t == GIRIH_GLTF_WRAP_MIRROR);
+    assert_true(texture->image == 0 && texture->texcoord == 2);
+    assert_true(texture->offset[1] == 1 && texture->scale[1] == 0.25f);
+    assert_true(texture->rotation == 0.5f);
+    assert_int_equal(contents->materials[1].base_color_texture.image, -1);
+    texture = &material->normal_texture;
+    assert_true(texture->image == 0 && texture->texcoord == 1 && material->normal_scale == 0.5f);
+    assert_true(texture->offset[0] == 0.25f && texture->scale[0] == 4 && texture->scale[1] == 1);
+    assert_int_equal(contents->materials[1].normal_texture.image, -1);
+    assert_true(contents->materials[1].normal_scale == 1);
 
     girih_gltf_model *after = written_and_reloaded(model, gltf_path("out.glb"));
     assert_same_geometry(model, after);

@@ -287,7 +287,9 @@ girih_scene *gpu_scene(gpu *host, const girih_context *context, const girih_mesh
                        uint32_t mesh_count) {
     girih_scene *scene;
     girih_error error;
-    gpu_girih(girih_scene_create(context, meshes, mesh_count, &scene, &error), &error);
+    gpu_girih(girih_scene_create(
+                  context, &(girih_scene_desc){.meshes = meshes, .mesh_count = mesh_count}, &scene,
+                  &error), &error);
     VkCommandBuffer commands = gpu_begin(host);
     girih_cmd_upload_scene(scene, commands);
     gpu_run(host, commands);

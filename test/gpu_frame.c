@@ -43,17 +43,16 @@ typedef struct output {
 #define OUTPUTS 5
 
 static void list_outputs(const girih_plan *plan, output outputs[OUTPUTS]) {
-    outputs[0] = (output){GIRIH_BIND_OUT_POSITIONS, &plan->positions};
-    outputs[1] = (output){GIRIH_BIND_OUT_ATTRIBUTES, &plan->attributes};
-    outputs[2] = (output){GIRIH_BIND_OUT_INDICES, &plan->index_list};
-    outputs[3] = (output){GIRIH_BIND_OUT_CLOSED_INDICES, &plan->closed_list};
-    outputs[4] = (output){GIRIH_BIND_OUT_SOURCES, &plan->sources};
+    for (uint32_t n = 0; n < OUTPUTS; ++n) {
+        outputs[n] = (output){GIRIH_BIND_OUT_POSITIONS + n, &plan->buffers[GIRIH_PLAN_POSITIONS + n]};
+    }
 }
 
 void gpu_refine(gpu *host, girih_plan *plan, const girih_frame *frame, gpu_readback *readback) {
     output outputs[OUTPUTS];
     list_outputs(plan, outputs);
-    VkDeviceSize size = plan->buffer.size;
+    const girih_buffer *work = &plan->buffers[GIRIH_PLAN_WORK];
+    VkDeviceSize size = work->size;
     for (int n = 0; n < OUTPUTS; ++n) {
         size += outputs[n].buffer->size;
     }
@@ -64,15 +63,17 @@ void gpu_refine(gpu *host, girih_plan *plan, const girih_frame *frame, gpu_readb
             VK_ACCESS_TRANSFER_WRITE_BIT);
     for (int n = 0; n < OUTPUTS; ++n) {
         if (outputs[n].buffer->buffer) {
-            vkCmdFillBuffer(commands, outputs[n].buffer->buffer, 0, VK_WHOLE_SIZE, 0xa5a5a5a5u);
+            vkCmdFillBuffer(commands, outputs[n].buffer->buffer, outputs[n].buffer->offset,
+                            outputs[n].buffer->size, 0xa5a5a5a5u);
         }
     }
     girih_error error = {GIRIH_OK, ""};
+    girih_plan_invalidate(plan); // its outputs have just been filled
     gpu_girih(girih_cmd_refine(plan, commands, frame, NULL, &error), &error);
     // girih_cmd_refine ends with its writes visible to transfer reads, so nothing is waited for
     // here.
-    VkBufferCopy copy = {.size = plan->buffer.size};
-    vkCmdCopyBuffer(commands, plan->buffer.buffer, readback->buffer.buffer, 1, &copy);
+    VkBufferCopy copy = {.srcOffset = work->offset, .size = work->size};
+    vkCmdCopyBuffer(commands, work->buffer, readback->buffer.buffer, 1, &copy);
     const char *bytes = readback->buffer.mapped;
     memset(readback->words, 0, sizeof readback->words);
     for (uint32_t n = GIRIH_BIND_INSTANCES; n <= GIRIH_BIND_WELD_OFFSETS; ++n) {
@@ -81,6 +82,7 @@ void gpu_refine(gpu *host, girih_plan *plan, const girih_frame *frame, gpu_readb
     for (int n = 0; n < OUTPUTS; ++n) {
         if (outputs[n].buffer->buffer) {
             copy.dstOffset += copy.size;
+            copy.srcOffset = outputs[n].buffer->offset;
             copy.size = outputs[n].buffer->size;
             vkCmdCopyBuffer(commands, outputs[n].buffer->buffer, readback->buffer.buffer, 1, &copy);
             readback->words[outputs[n].binding] =

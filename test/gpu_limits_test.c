@@ -300,11 +300,12 @@ static girih_statistics refine_guarded(girih_plan *plan, gpu_readback *read, uin
     const struct {
         uint32_t binding;
         VkDeviceSize size;
-    } outputs[] = {{GIRIH_BIND_OUT_POSITIONS, plan->positions.size},
-                   {GIRIH_BIND_OUT_ATTRIBUTES, plan->attributes.size},
-                   {GIRIH_BIND_OUT_INDICES, plan->index_list.size},
-                   {GIRIH_BIND_OUT_CLOSED_INDICES, plan->closed_list.size},
-                   {GIRIH_BIND_OUT_SOURCES, plan->sources.size}};
+    } outputs[] = {
+        {GIRIH_BIND_OUT_POSITIONS, plan->buffers[GIRIH_PLAN_POSITIONS].size},
+        {GIRIH_BIND_OUT_ATTRIBUTES, plan->buffers[GIRIH_PLAN_ATTRIBUTES].size},
+        {GIRIH_BIND_OUT_INDICES, plan->buffers[GIRIH_PLAN_INDICES].size},
+        {GIRIH_BIND_OUT_CLOSED_INDICES, plan->buffers[GIRIH_PLAN_CLOSED_INDICES].size},
+        {GIRIH_BIND_OUT_SOURCES, plan->buffers[GIRIH_PLAN_SOURCES].size}};
     for (size_t k = 0; k < sizeof outputs / sizeof *outputs; ++k) {
         const uint32_t *words = read->words[outputs[k].binding];
         if (!words) {
@@ -420,8 +421,10 @@ static void frames_repeat(void **state) {
     gpu_readback a = {0};
     gpu_readback b = {0};
     gpu_refine(&device, other, &fine, &b);
-    assert_int_equal(girih_plan_set_transform(other, 0, moved[0].transform), GIRIH_OK);
-    assert_int_equal(girih_plan_set_transform(other, 2, moved[2].transform), GIRIH_OK);
+    assert_int_equal(girih_plan_set_transform(other, 0, moved[0].transform, NULL, NULL),
+                     GIRIH_OK);
+    assert_int_equal(girih_plan_set_transform(other, 2, moved[2].transform, NULL, NULL),
+                     GIRIH_OK);
     for (int turn = 0; turn < 2; ++turn) {
         gpu_refine(&device, there, &fine, &a);
         gpu_refine(&device, other, &fine, &b);
@@ -498,13 +501,13 @@ static void plans_side_by_side(void **state) {
         const girih_plan_buffers buffers = girih_plan_get_buffers(plans[n]);
         const struct {
             uint32_t binding;
-            VkBuffer buffer;
+            girih_buffer_range range;
         } outputs[] = {{GIRIH_BIND_OUT_POSITIONS, buffers.positions},
                        {GIRIH_BIND_OUT_ATTRIBUTES, buffers.attributes},
                        {GIRIH_BIND_OUT_INDICES, buffers.indices}};
         for (size_t k = 0; k < sizeof outputs / sizeof *outputs; ++k) {
             const uint64_t bytes = 4 * written(plans[n], outputs[k].binding, &s);
-            void *words = gpu_read(&device, outputs[k].buffer, 0, bytes);
+            void *words = gpu_read(&device, outputs[k].range.buffer, outputs[k].range.offset, bytes);
             assert_memory_equal(words, alone[n].words[outputs[k].binding], bytes);
             free(words);
         }
@@ -557,9 +560,10 @@ static void wrong_calls_are_refused(void **state) {
     const girih_result invalid = GIRIH_ERROR_INVALID_ARGUMENT;
     assert_refused(girih_context_create(&(girih_context_desc){0}, &none, &error), invalid, &error);
     girih_scene *nowhere = NULL;
-    assert_refused(girih_scene_create(context, NULL, 1, &nowhere, &error), invalid, &error);
+    assert_refused(girih_scene_create(context, NULL, &nowhere, &error), invalid, &error);
     const girih_mesh *missing = NULL;
-    assert_refused(girih_scene_create(context, &missing, 1, &nowhere, &error), invalid, &error);
+    const girih_scene_desc without = {.meshes = &missing, .mesh_count = 1};
+    assert_refused(girih_scene_create(context, &without, &nowhere, &error), invalid, &error);
     girih_plan_desc desc = plan_of(scene, GIRIH_SURFACE_PN, GIRIH_MODE_BAKED, 0, 10);
     girih_plan_desc wrong = desc;
     wrong.scene = NULL;
@@ -599,8 +603,11 @@ static void wrong_calls_are_refused(void **state) {
     const girih_frame mad = {.rule = GIRIH_LEVEL_EDGE_LENGTH, .length = NAN};
     assert_refused(girih_cmd_refine(plan, commands, &mad, NULL, &error), invalid, &error);
     gpu_run(&device, commands);
-    assert_int_not_equal(girih_plan_set_transform(plan, 1, once.transform), GIRIH_OK);
-    assert_int_not_equal(girih_plan_set_transform(plan, 0, far.transform), GIRIH_OK);
+    assert_refused(girih_plan_set_transform(plan, 1, once.transform, NULL, &error), invalid, &error);
+    assert_refused(girih_plan_set_transform(plan, 0, far.transform, NULL, &error),
+                   GIRIH_ERROR_INVALID_DATA, &error);
+    assert_refused(girih_plan_set_transform(plan, 0, once.transform, far.transform, &error),
+                   GIRIH_ERROR_INVALID_DATA, &error);
     girih_plan_destroy(plan);
     girih_plan_destroy(NULL);
     girih_scene_destroy(scene);
@@ -622,7 +629,8 @@ static void allocation_failures_are_reported(void **state) {
         girih_scene *scene = NULL;
         girih_plan *plan = NULL;
         girih_allocation_failure_after(allowed);
-        girih_result result = girih_scene_create(context, &mesh, 1, &scene, &error);
+        girih_result result = girih_scene_create(
+            context, &(girih_scene_desc){.meshes = &mesh, .mesh_count = 1}, &scene, &error);
         if (result == GIRIH_OK) {
             const girih_plan_desc desc =
                 plan_of(scene, GIRIH_SURFACE_PN, GIRIH_MODE_BAKED, 0, 1000);

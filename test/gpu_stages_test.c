@@ -187,7 +187,8 @@ static stages pack(const girih_catalogue *catalogue, const placement *placed) {
     girih_error error = {GIRIH_OK, ""};
     assert_ok(girih_pack_catalogue(&packed.arrays, catalogue, &error), &error);
     assert_ok(
-        girih_pack_scene(&packed.arrays, &packed.table, placed->meshes, placed->mesh_count, &error),
+        girih_pack_scene(&packed.arrays, &packed.table, placed->meshes, placed->mesh_count, 0,
+                         &error),
         &error);
     return packed;
 }
@@ -483,14 +484,15 @@ static void sort_keys(girih_plan *plan, key_kind kind) {
     const VkDeviceSize key_bytes = arrays->count[GIRIH_BIND_KEYS] * 4;
     gpu_buffer keys = gpu_create_buffer(&device, key_bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true);
     draw_keys(keys.mapped, count, arrays->frame.group_count, kind);
+    const girih_buffer *work = &plan->buffers[GIRIH_PLAN_WORK];
     VkCommandBuffer commands = gpu_begin(&device);
     const VkBufferCopy copy = {.dstOffset = plan->offset[GIRIH_BIND_KEYS], .size = key_bytes};
-    vkCmdCopyBuffer(commands, keys.buffer, plan->buffer.buffer, 1, &copy);
-    vkCmdUpdateBuffer(commands, plan->buffer.buffer, plan->frame_offset, sizeof arrays->frame,
+    vkCmdCopyBuffer(commands, keys.buffer, work->buffer, 1, &copy);
+    vkCmdUpdateBuffer(commands, work->buffer, plan->frame_offset, sizeof arrays->frame,
                       &arrays->frame);
-    vkCmdFillBuffer(commands, plan->buffer.buffer, plan->offset[GIRIH_BIND_GROUPS],
+    vkCmdFillBuffer(commands, work->buffer, plan->offset[GIRIH_BIND_GROUPS],
                     arrays->count[GIRIH_BIND_GROUPS] * 4, 0);
-    vkCmdFillBuffer(commands, plan->buffer.buffer, plan->offset[GIRIH_BIND_STATUS],
+    vkCmdFillBuffer(commands, work->buffer, plan->offset[GIRIH_BIND_STATUS],
                     arrays->count[GIRIH_BIND_STATUS] * 4, 0);
     girih_barrier(plan->context, commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
                   VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
@@ -512,14 +514,14 @@ static void sort_keys(girih_plan *plan, key_kind kind) {
     assert_ok(girih_twin_group(&twin, &error), &error);
     const uint64_t item_words = (uint64_t)status[GIRIH_STATUS_ITEMS] * GIRIH_ITEM_WORDS;
     uint32_t *words =
-        gpu_read(&device, plan->buffer.buffer, plan->offset[GIRIH_BIND_ITEMS], item_words * 4);
+        gpu_read(&device, work->buffer, plan->offset[GIRIH_BIND_ITEMS], item_words * 4);
     assert_words("items", words, twin.words[GIRIH_BIND_ITEMS], item_words);
     free(words);
     words =
-        gpu_read(&device, plan->buffer.buffer, plan->offset[GIRIH_BIND_GROUPS], group_words * 4);
+        gpu_read(&device, work->buffer, plan->offset[GIRIH_BIND_GROUPS], group_words * 4);
     assert_words("groups", words, twin.words[GIRIH_BIND_GROUPS], group_words);
     free(words);
-    words = gpu_read(&device, plan->buffer.buffer, plan->offset[GIRIH_BIND_STATUS], 4);
+    words = gpu_read(&device, work->buffer, plan->offset[GIRIH_BIND_STATUS], 4);
     assert_words("item count", words, status, 1);
     free(words);
     free(twin.words[GIRIH_BIND_ITEMS]);

@@ -105,6 +105,50 @@ static void random_levels_depend_on_positions_alone(void **state) {
     girih_mesh_destroy(other);
 }
 
+// A mesh that the host has moved draws the levels of one prepared where it is now.
+static void moved_meshes_draw_as_prepared_ones(void **state) {
+    (void)state;
+    const girih_mesh *sphere = make_seam_sphere(8, 6);
+    const girih_mesh *mesh = make_copy(sphere, NULL, 0, 1);
+    float *positions = malloc(mesh->vertex_count * 3 * sizeof *positions);
+    assert_non_null(positions);
+    stages s = stages_begin(girih_catalogue_linear(), &mesh, 1, NULL, 0, baked);
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+        // Turned, so that other ends come first, and with zeros of either sign.
+        const float *p = mesh->positions + 3 * (size_t)v;
+        const float moved[3] = {-p[1], p[2], -0.5f * p[0]};
+        memcpy(positions + 3 * (size_t)v, moved, sizeof moved);
+        memcpy(s.arrays.words[GIRIH_BIND_VERTICES] + (size_t)v * GIRIH_VERTEX_WORDS, moved,
+               sizeof moved);
+    }
+    const girih_mesh *prepared = make_copy(mesh, positions, 0, 1);
+    stages t = stages_begin(girih_catalogue_linear(), &prepared, 1, NULL, 0, baked);
+    assert_int_equal(mesh->edge_count, prepared->edge_count);
+    uint32_t turned = 0;
+    for (uint32_t edge = 0; edge < mesh->edge_count; ++edge) {
+        turned += mesh->edge_points[2 * edge] != prepared->edge_points[2 * edge];
+    }
+    assert_true(turned > mesh->edge_count / 4);
+    for (uint32_t seed = 0; seed < 20; ++seed) {
+        const girih_frame frame = {
+            .rule = seed % 2 ? GIRIH_LEVEL_RANDOM_LEVEL : GIRIH_LEVEL_RANDOM,
+            .segments = 16,
+            .seed = seed};
+        stages_frame(&s, &frame);
+        stages_frame(&t, &frame);
+        girih_twin_levels(&s.arrays);
+        girih_twin_levels(&t.arrays);
+        assert_memory_equal(s.arrays.words[GIRIH_BIND_LEVELS], t.arrays.words[GIRIH_BIND_LEVELS],
+                            mesh->edge_count * sizeof(uint32_t));
+    }
+    stages_end(&s);
+    stages_end(&t);
+    free(positions);
+    girih_mesh_destroy(prepared);
+    girih_mesh_destroy(mesh);
+    girih_mesh_destroy(sphere);
+}
+
 // Levels drawn as such: 0..segments of either spacing, clamped to the catalogue's last.
 static void random_levels_of_the_catalogue(void **state) {
     (void)state;
@@ -326,6 +370,7 @@ static void frames_that_cannot_be_meant_are_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_levels_depend_on_positions_alone),
+        cmocka_unit_test(moved_meshes_draw_as_prepared_ones),
         cmocka_unit_test(random_levels_of_the_catalogue),
         cmocka_unit_test(dyadic_levels_round_up),
         cmocka_unit_test(random_clamps_are_counted),

@@ -186,6 +186,28 @@ static uint32_t list_edges(const girih_mesh *mesh, oracle_edge *edges, uint32_t 
     return count;
 }
 
+// By brute force: the first corner or edge of all at each place.
+static void assert_owners(const girih_mesh *mesh) {
+    for (uint32_t corner = 3 * mesh->triangle_count; corner-- > 0;) {
+        uint32_t owner = 0;
+        while (mesh->triangle_vertices[owner] != mesh->triangle_vertices[corner]) {
+            ++owner;
+        }
+        assert_int_equal(mesh->vertex_owner[mesh->triangle_vertices[corner]], owner);
+        owner = 0;
+        while (mesh->triangle_edges[owner] != mesh->triangle_edges[corner]) {
+            ++owner;
+        }
+        assert_int_equal(mesh->edge_owner[mesh->triangle_edges[corner]], owner);
+        const uint32_t weld_edge = mesh->triangle_weld_edges[corner] & 0x7fffffffu;
+        owner = 0;
+        while ((mesh->triangle_weld_edges[owner] & 0x7fffffffu) != weld_edge) {
+            ++owner;
+        }
+        assert_int_equal(mesh->weld_edge_owner[weld_edge], owner);
+    }
+}
+
 static void assert_edges(const girih_mesh *mesh) {
     static oracle_edge edges[MOST_CORNERS];
     static uint32_t half_edge_edge[MOST_CORNERS];
@@ -199,9 +221,10 @@ static void assert_edges(const girih_mesh *mesh) {
         oracle_edge *e = edges + edge;
         e->seam = e->uses > 2;
         for (int end = 0; end < 2 && e->uses == 2; ++end) {
-            e->seam |= memcmp(mesh->normals + 3 * vertex_at(mesh, e->half_edges[0], e->ends[end]),
-                              mesh->normals + 3 * vertex_at(mesh, e->half_edges[1], e->ends[end]),
-                              12) != 0;
+            uint32_t a = vertex_at(mesh, e->half_edges[0], e->ends[end]);
+            uint32_t b = vertex_at(mesh, e->half_edges[1], e->ends[end]);
+            e->seam |= memcmp(mesh->normals + 3 * a, mesh->normals + 3 * b, 12) != 0 ||
+                       (mesh->dynamic && a != b);
         }
         seams += e->seam;
         open += e->uses == 1;
@@ -280,11 +303,13 @@ static void assert_weld_edges(const girih_mesh *mesh) {
 void assert_mesh_follows(const girih_mesh *mesh, const girih_mesh_desc *desc) {
     assert_string_equal(mesh->name, desc->name ? desc->name : "");
     assert_int_equal(mesh->made_normals, desc->normals == NULL);
+    assert_int_equal(mesh->dynamic, desc->dynamic != 0);
     assert_int_equal(mesh->attribute_floats, desc->attribute_floats);
     assert_triangles(mesh, desc);
     assert_vertices(mesh, desc);
     assert_edges(mesh);
     assert_weld_edges(mesh);
+    assert_owners(mesh);
 }
 
 typedef struct oracle_face {
@@ -424,5 +449,8 @@ void assert_meshes_equal(const girih_mesh *a, const girih_mesh *b) {
     assert_memory_equal(a->weld_edge_edge, b->weld_edge_edge, 4 * (size_t)a->weld_edge_count);
     assert_memory_equal(a->edge_weld_edge, b->edge_weld_edge, 4 * (size_t)a->edge_count);
     assert_memory_equal(a->edge_uses, b->edge_uses, a->edge_count);
+    assert_memory_equal(a->edge_owner, b->edge_owner, 4 * (size_t)a->edge_count);
+    assert_memory_equal(a->weld_edge_owner, b->weld_edge_owner, 4 * (size_t)a->weld_edge_count);
+    assert_memory_equal(a->vertex_owner, b->vertex_owner, 4 * v);
     assert_memory_equal(a->submeshes, b->submeshes, a->submesh_count * sizeof *a->submeshes);
 }

@@ -235,6 +235,13 @@ static void test_sphere(void **state) {
     assert_int_equal(mesh->seam_count, 0);
     assert_int_equal(mesh->weld_edge_count, 12 * N * N + 12 * N);
     girih_mesh_destroy(mesh);
+
+    // Where the host moves the normals, each of the octahedron's edges becomes a seam.
+    desc.dynamic = 1;
+    mesh = create_checked(&desc);
+    assert_closed(mesh);
+    assert_int_equal(mesh->seam_count, 12 * N);
+    girih_mesh_destroy(mesh);
 }
 
 static void test_moebius_strip(void **state) {
@@ -505,6 +512,7 @@ static void make_soup(soup *s, uint64_t seed) {
 static void test_random_soups(void **state) {
     (void)state;
     uint32_t seams = 0;
+    uint32_t more_seams = 0;
     uint32_t dropped = 0;
     uint32_t nonmanifold = 0;
     uint32_t flipped = 0;
@@ -521,8 +529,17 @@ static void test_random_soups(void **state) {
         flipped += mesh->flipped_edges;
         splits += mesh->made_normals && mesh->vertex_count > s.desc.vertex_count;
         girih_mesh_destroy(again);
+        s.desc.dynamic = 1;
+        const girih_mesh *dynamic = create_checked(&s.desc);
+        assert_true(dynamic->seam_count >= mesh->seam_count);
+        more_seams += dynamic->seam_count - mesh->seam_count;
+        assert_int_equal(dynamic->edge_count, mesh->edge_count);
+        assert_memory_equal(dynamic->triangle_weld_edges, mesh->triangle_weld_edges,
+                            12 * (size_t)mesh->triangle_count);
+        girih_mesh_destroy(dynamic);
         girih_mesh_destroy(mesh);
     }
+    assert_true(more_seams > 1000);
     assert_true(seams > 10000 && dropped > 10000 && nonmanifold > 10000 && flipped > 10000);
     assert_true(splits > 1000);
 }

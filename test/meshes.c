@@ -26,6 +26,7 @@ typedef struct builder {
     uint32_t *indices;
     uint32_t vertex_count, index_count;
     uint32_t vertex_room, index_room;
+    int dynamic;
 } builder;
 
 static builder begin(uint32_t vertex_room, uint32_t triangle_room) {
@@ -69,6 +70,7 @@ static const girih_mesh *finish(builder *b, const char *name, const girih_submes
         .index_count = b->index_count,
         .submeshes = submeshes,
         .submesh_count = submesh_count,
+        .dynamic = b->dynamic,
     };
     const girih_mesh *mesh = NULL;
     girih_error error = {GIRIH_OK, ""};
@@ -330,6 +332,22 @@ const girih_mesh *make_triangle(void) {
     }
     add_triangle(&b, 0, 1, 2);
     return finish(&b, "triangle", NULL, 0);
+}
+
+const girih_mesh *make_copy(const girih_mesh *mesh, const float *positions, int apart,
+                            int dynamic) {
+    builder b = begin(apart ? 3 * mesh->triangle_count : mesh->vertex_count, mesh->triangle_count);
+    for (uint32_t n = 0; n < b.vertex_room; ++n) {
+        const size_t v = apart ? mesh->triangle_vertices[n] : n;
+        add_vertex(&b, (positions ? positions : mesh->positions) + 3 * v, mesh->normals + 3 * v,
+                   mesh->attributes[2 * v], mesh->attributes[2 * v + 1]);
+    }
+    for (uint32_t n = 0; n < 3 * mesh->triangle_count; n += 3) {
+        const uint32_t *v = mesh->triangle_vertices + n;
+        add_triangle(&b, apart ? n : v[0], apart ? n + 1 : v[1], apart ? n + 2 : v[2]);
+    }
+    b.dynamic = dynamic;
+    return finish(&b, mesh->name, mesh->submeshes, mesh->submesh_count);
 }
 
 const girih_mesh *make_nothing(void) {

@@ -36,6 +36,10 @@ const girih_mesh *make_soup(uint32_t triangles, uint32_t points, uint64_t seed);
 // One triangle (0,0,0), (1,0,0), (0,1,0).
 const girih_mesh *make_triangle(void);
 
+// The triangles of another mesh, at `positions` (its vertices'; NULL: where they are). Apart: every
+// triangle has vertices of its own, with the same normals and attributes.
+const girih_mesh *make_copy(const girih_mesh *mesh, const float *positions, int apart, int dynamic);
+
 // No triangle at all.
 const girih_mesh *make_nothing(void);
 

@@ -262,12 +262,18 @@ static void normals_follow_the_inverse_transpose(void **state) {
     (void)state;
     uint32_t record[GIRIH_INSTANCE_WORDS] = {0};
     const float identity[12] = {1, -0.0f, 0, -0.0f, 0, 1, 0, 0, 0, -0.0f, 1, 0};
-    static const float nine[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    girih_pack_transform(record, identity);
+    girih_pack_transform(record, identity, NULL);
     assert_memory_equal(record + GIRIH_INSTANCE_TRANSFORM, identity_transform,
                         sizeof identity_transform);
-    assert_memory_equal(record + GIRIH_INSTANCE_NORMAL, nine, sizeof nine);
+    assert_memory_equal(record + GIRIH_INSTANCE_PREVIOUS, identity_transform,
+                        sizeof identity_transform);
+    for (uint32_t k = 0; k < 9; ++k) {
+        assert_true(record_float(record, GIRIH_INSTANCE_NORMAL + 4 * (k / 3) + k % 3) ==
+                    (k / 3 == k % 3 ? 1.0f : 0.0f));
+        assert_false(signbit(record_float(record, GIRIH_INSTANCE_NORMAL + 4 * (k / 3) + k % 3)));
+    }
     assert_int_equal(record[GIRIH_INSTANCE_FLAGS], 0);
+    assert_true(record_float(record, GIRIH_INSTANCE_SCALE) == 1.0f);
     uint64_t random = 12;
     uint32_t mirrored = 0;
     for (int n = 0; n < 1000; ++n) {
@@ -277,7 +283,17 @@ static void normals_follow_the_inverse_transpose(void **state) {
         for (int k = 0; k < 12; ++k) {
             t[k] = (float)(scale * (double)draw_float(&random, -1.0f, 1.0f));
         }
-        girih_pack_transform(record, t);
+        float before[12];
+        for (int k = 0; k < 12; ++k) {
+            before[k] = draw_float(&random, -1.0f, 1.0f);
+        }
+        record[GIRIH_INSTANCE_MESH_TRIANGLE] = 77;
+        record[GIRIH_INSTANCE_FIRST_TRIANGLE] = 78;
+        girih_pack_transform(record, t, before);
+        assert_memory_equal(record + GIRIH_INSTANCE_TRANSFORM, t, sizeof t);
+        assert_memory_equal(record + GIRIH_INSTANCE_PREVIOUS, before, sizeof before);
+        assert_int_equal(record[GIRIH_INSTANCE_MESH_TRIANGLE], 77);
+        assert_int_equal(record[GIRIH_INSTANCE_FIRST_TRIANGLE], 78);
         double m[3][3];
         for (int k = 0; k < 9; ++k) {
             m[k / 3][k % 3] = (double)t[4 * (k / 3) + k % 3] / scale;
@@ -288,13 +304,15 @@ static void normals_follow_the_inverse_transpose(void **state) {
         assert_int_equal(record[GIRIH_INSTANCE_FLAGS],
                          determinant < 0 ? GIRIH_INSTANCE_MIRRORED : 0);
         mirrored += determinant < 0;
+        const double size = scale * cbrt(fabs(determinant));
+        assert_true(fabs((double)record_float(record, GIRIH_INSTANCE_SCALE) - size) <= 1e-6 * size);
         // N^T M is a positive multiple of the identity, and N is about 1 in size.
         double product[3][3], largest = 0.0;
         for (int k = 0; k < 9; ++k) {
             product[k / 3][k % 3] = 0.0;
             for (uint32_t row = 0; row < 3; ++row) {
                 const double element =
-                    (double)record_float(record, GIRIH_INSTANCE_NORMAL + 3 * row + (uint32_t)k / 3);
+                    (double)record_float(record, GIRIH_INSTANCE_NORMAL + 4 * row + (uint32_t)k / 3);
                 largest = fmax(largest, fabs(element));
                 product[k / 3][k % 3] += element * m[row][k % 3];
             }
@@ -309,11 +327,97 @@ static void normals_follow_the_inverse_transpose(void **state) {
     assert_true(mirrored > 300 && mirrored < 700);
     // A flat transform has no inverse; it is still packed.
     const float flat[12] = {0};
-    girih_pack_transform(record, flat);
+    girih_pack_transform(record, flat, NULL);
     assert_int_equal(record[GIRIH_INSTANCE_FLAGS], 0);
     for (uint32_t k = 0; k < 9; ++k) {
-        assert_int_equal(record[GIRIH_INSTANCE_NORMAL + k], 0);
+        assert_int_equal(record[GIRIH_INSTANCE_NORMAL + 4 * (k / 3) + k % 3], 0);
     }
+    assert_int_equal(record[GIRIH_INSTANCE_SCALE], 0);
+}
+
+static void transforms_are_checked(void **state) {
+    (void)state;
+    float transform[12] = {1, 0, 0, GIRIH_MAX_COORDINATE, 0, 1, 0, 0, 0, 0, 1, 0};
+    girih_error error = {GIRIH_OK, ""};
+    assert_int_equal(girih_check_transform(transform, 5, &error), GIRIH_OK);
+    transform[6] = NAN;
+    assert_int_equal(girih_check_transform(transform, 5, &error), GIRIH_ERROR_INVALID_DATA);
+    assert_string_equal(error.message, "plan: element 6 of instance 5's transform is nan; it must "
+                                       "be finite and at most 1e+15");
+    assert_int_equal(girih_check_transform(transform, 5, NULL), GIRIH_ERROR_INVALID_DATA);
+}
+
+// Everything that has an owner names it by the scene's numbers, and the previous frame's vertices
+// are the current ones.
+static void scenes_name_owners(void **state) {
+    (void)state;
+    const girih_mesh *meshes[3] = {make_cube(1), make_nothing(), make_seam_sphere(6, 4)};
+    for (int previous = 0; previous < 2; ++previous) {
+        girih_arrays arrays = {.frame = {.instance_count = 0}};
+        girih_scene_table table;
+        assert_int_equal(girih_pack_scene(&arrays, &table, meshes, 3, previous, NULL), GIRIH_OK);
+        const uint32_t vertices = meshes[0]->vertex_count + meshes[2]->vertex_count;
+        const size_t words = (size_t)vertices * GIRIH_VERTEX_WORDS;
+        assert_int_equal(arrays.frame.previous_vertices, previous ? vertices : 0);
+        assert_int_equal(arrays.count[GIRIH_BIND_VERTICES], previous ? 2 * words : words);
+        if (previous) {
+            assert_memory_equal(arrays.words[GIRIH_BIND_VERTICES],
+                                arrays.words[GIRIH_BIND_VERTICES] + words,
+                                words * sizeof(uint32_t));
+        }
+        assert_int_equal(arrays.count[GIRIH_BIND_POINTS], 2 * vertices);
+        for (uint32_t n = 0; n < 3; ++n) {
+            const girih_mesh *mesh = meshes[n];
+            const girih_scene_mesh *place = &table.meshes[n];
+            const uint32_t corner = 3 * place->first_triangle;
+            const uint32_t *pair =
+                arrays.words[GIRIH_BIND_POINTS] + 2 * (size_t)place->first_vertex;
+            for (uint32_t v = 0; v < mesh->vertex_count; ++v, pair += 2) {
+                assert_int_equal(pair[0], mesh->vertex_point[v] + place->first_vertex);
+                assert_int_equal(pair[1], mesh->vertex_owner[v] + corner);
+                assert_int_equal(arrays.words[GIRIH_BIND_TRIANGLE_VERTICES][pair[1]],
+                                 v + place->first_vertex);
+            }
+            pair = arrays.words[GIRIH_BIND_EDGES] + 2 * (size_t)place->first_edge;
+            for (uint32_t e = 0; e < mesh->edge_count; ++e, pair += 2) {
+                assert_int_equal(pair[0], mesh->edge_weld_edge[e] + place->first_weld_edge);
+                assert_int_equal(pair[1], mesh->edge_owner[e] + corner);
+            }
+            pair = arrays.words[GIRIH_BIND_WELD_EDGES] + 2 * (size_t)place->first_weld_edge;
+            for (uint32_t e = 0; e < mesh->weld_edge_count; ++e, pair += 2) {
+                assert_int_equal(pair[0], mesh->weld_edge_edge[e] + place->first_edge);
+                assert_int_equal(pair[1], mesh->weld_edge_owner[e] + corner);
+            }
+        }
+        girih_arrays_free(&arrays, 0, GIRIH_BIND_COUNT);
+        girih_free(table.meshes);
+    }
+    for (int n = 0; n < 3; ++n) {
+        girih_mesh_destroy(meshes[n]);
+    }
+}
+
+// Room for the previous position changes where vertices stand, and nothing else.
+static void strides_leave_room(void **state) {
+    (void)state;
+    const girih_mesh *mesh = make_seam_sphere(6, 4);
+    const girih_frame frame = {.segments = 3};
+    girih_plan_shape shape = {.mode = GIRIH_MODE_BAKED,
+                              .outputs = GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_NO_DRAW};
+    stages a = stages_begin(girih_catalogue_linear(), &mesh, 1, NULL, 0, shape);
+    shape.previous = 1;
+    stages b = stages_begin(girih_catalogue_linear(), &mesh, 1, NULL, 0, shape);
+    stages_refine(&a, &frame, GIRIH_SURFACE_PN);
+    stages_refine(&b, &frame, GIRIH_SURFACE_PN);
+    assert_int_equal(a.arrays.frame.attribute_stride, 5);
+    assert_int_equal(b.arrays.frame.attribute_stride, 8);
+    for (size_t v = 0; v < stages_statistics(&a).output_vertices; ++v) {
+        assert_memory_equal(a.arrays.words[GIRIH_BIND_OUT_ATTRIBUTES] + 5 * v,
+                            b.arrays.words[GIRIH_BIND_OUT_ATTRIBUTES] + 8 * v, 20);
+    }
+    stages_end(&a);
+    stages_end(&b);
+    girih_mesh_destroy(mesh);
 }
 
 // BLOCKS leads to the right instance from any number, over instances that have none.
@@ -385,6 +489,9 @@ int main(void) {
         cmocka_unit_test(nothing_gives_nothing),
         cmocka_unit_test(failed_allocations_are_reported),
         cmocka_unit_test(normals_follow_the_inverse_transpose),
+        cmocka_unit_test(transforms_are_checked),
+        cmocka_unit_test(scenes_name_owners),
+        cmocka_unit_test(strides_leave_room),
         cmocka_unit_test(instances_are_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -33,7 +33,7 @@ stages stages_begin(const girih_catalogue *catalogue, const girih_mesh *const *m
     memset(&s, 0, sizeof s);
     girih_error error = {GIRIH_OK, ""};
     assert_ok(girih_pack_catalogue(&s.arrays, catalogue, &error), &error);
-    assert_ok(girih_pack_scene(&s.arrays, &s.table, meshes, mesh_count, &error), &error);
+    assert_ok(girih_pack_scene(&s.arrays, &s.table, meshes, mesh_count, 0, &error), &error);
     girih_instance *once = NULL;
     if (!instances) {
         once = calloc(mesh_count + 1u, sizeof *once);
@@ -89,7 +89,7 @@ void stages_write(stages *s, girih_surface surface) {
         girih_twin_evaluate(arrays, surface);
         return;
     }
-    const uint64_t attribute_words = arrays->frame.attribute_floats + 3;
+    const uint64_t attribute_words = arrays->frame.attribute_stride;
     allocate(arrays, GIRIH_BIND_OUT_POSITIONS, statistics.output_vertices * 3);
     allocate(arrays, GIRIH_BIND_OUT_ATTRIBUTES, statistics.output_vertices * attribute_words);
     allocate(arrays, GIRIH_BIND_OUT_INDICES, statistics.output_triangles * 3);
@@ -117,7 +117,7 @@ void stages_position(const stages *s, uint32_t vertex, float position[3]) {
 void stages_normal(const stages *s, uint32_t vertex, float normal[3]) {
     memcpy(normal,
            s->arrays.words[GIRIH_BIND_OUT_ATTRIBUTES] +
-               (size_t)vertex * (3 + s->arrays.frame.attribute_floats),
+               (size_t)vertex * s->arrays.frame.attribute_stride,
            3 * sizeof(float));
 }
 
@@ -173,37 +173,45 @@ edge_audit audit_indices(const uint32_t *indices, uint64_t triangle_count) {
     return audit;
 }
 
-edge_audit audit_positions(const stages *s) {
-    const girih_statistics statistics = stages_statistics(s);
-    const uint64_t count = statistics.output_triangles * 3;
-    const uint32_t *indices = s->arrays.words[GIRIH_BIND_OUT_INDICES];
-    const size_t size = table_size(statistics.output_vertices);
+edge_audit audit_points(const float *positions, uint64_t vertex_count, const uint32_t *indices,
+                        uint64_t triangle_count) {
+    const uint64_t count = triangle_count * 3;
+    const size_t size = table_size(vertex_count);
     uint32_t *points = malloc((size_t)(count + 1) * sizeof *points);
     uint32_t *slots = calloc(size, sizeof *slots); // vertex and one
     assert_true(points && slots);
     for (uint64_t n = 0; n < count; ++n) {
-        float position[3];
-        stages_position(s, indices[n], position);
+        const float *position = positions + (size_t)indices[n] * 3;
         uint32_t words[3];
         memcpy(words, position, sizeof words);
         uint64_t hash = words[0] * UINT64_C(0x9e3779b97f4a7c15);
         hash = (hash ^ hash >> 29 ^ words[1]) * UINT64_C(0xc2b2ae3d27d4eb4f);
         hash = (hash ^ hash >> 29 ^ words[2]) * UINT64_C(0x165667b19e3779f9);
         size_t slot = (hash >> 24) & (size - 1);
-        for (; slots[slot] != 0; slot = (slot + 1) & (size - 1)) {
-            float other[3];
-            stages_position(s, slots[slot] - 1, other);
-            if (memcmp(position, other, sizeof other) == 0) {
-                break;
-            }
+        while (slots[slot] != 0 &&
+               memcmp(position, positions + (size_t)(slots[slot] - 1) * 3, sizeof words) != 0) {
+            slot = (slot + 1) & (size - 1);
         }
         if (slots[slot] == 0) {
             slots[slot] = indices[n] + 1;
         }
         points[n] = slots[slot] - 1;
     }
-    const edge_audit audit = audit_indices(points, statistics.output_triangles);
+    const edge_audit audit = audit_indices(points, triangle_count);
     free(points);
     free(slots);
+    return audit;
+}
+
+edge_audit audit_positions(const stages *s) {
+    const girih_statistics statistics = stages_statistics(s);
+    const size_t size = (size_t)statistics.output_vertices * 3 * sizeof(float);
+    float *positions = malloc(size + 1);
+    assert_non_null(positions);
+    memcpy(positions, s->arrays.words[GIRIH_BIND_OUT_POSITIONS], size);
+    const edge_audit audit =
+        audit_points(positions, statistics.output_vertices,
+                     s->arrays.words[GIRIH_BIND_OUT_INDICES], statistics.output_triangles);
+    free(positions);
     return audit;
 }

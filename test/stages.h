@@ -44,7 +44,10 @@ typedef struct edge_audit {
     uint64_t degenerate;  // triangles with two equal corners
 } edge_audit;
 edge_audit audit_indices(const uint32_t *indices, uint64_t triangle_count);
-// The same by the exact bits of the positions of OUT_INDICES.
+// The same by the exact bits of the positions, 3 floats a vertex.
+edge_audit audit_points(const float *positions, uint64_t vertex_count, const uint32_t *indices,
+                        uint64_t triangle_count);
+// The same of OUT_POSITIONS and OUT_INDICES.
 edge_audit audit_positions(const stages *stages);
 
 #endif

@@ -77,12 +77,12 @@ girih_result girih_device_image_create(const girih_device *device, girih_device_
                                        girih_error *error);
 void girih_device_image_destroy(const girih_device *device, girih_device_image *image);
 
-// Copies bytes into, or out of, a buffer that the host cannot see, in pieces. The buffer needs the
-// usage TRANSFER_DST, or TRANSFER_SRC.
+// Copies bytes into a buffer, or out of a range, that the host cannot see, in pieces. The buffer
+// needs the usage TRANSFER_DST, or TRANSFER_SRC.
 girih_result girih_device_write(girih_device *device, VkBuffer buffer, const void *bytes,
                                 VkDeviceSize size, girih_error *error);
-girih_result girih_device_read(girih_device *device, VkBuffer buffer, VkDeviceSize size,
-                               void *bytes, girih_error *error);
+girih_result girih_device_read(girih_device *device, const girih_buffer_range *range,
+                               VkDeviceSize size, void *bytes, girih_error *error);
 
 // Orders everything before against everything after it.
 void girih_device_full_barrier(VkCommandBuffer commands);

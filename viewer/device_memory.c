@@ -125,8 +125,8 @@ void girih_device_image_destroy(const girih_device *device, girih_device_image *
 }
 
 // Moves a piece at a time; `to_device` tells which way.
-static girih_result transfer(girih_device *device, VkBuffer buffer, char *bytes, VkDeviceSize size,
-                             bool to_device, girih_error *error) {
+static girih_result transfer(girih_device *device, const girih_buffer_range *range, char *bytes,
+                             VkDeviceSize size, bool to_device, girih_error *error) {
     girih_device_buffer staging;
     girih_result result = girih_device_buffer_create(
         device, &staging, size < piece_size ? size : piece_size,
@@ -142,9 +142,10 @@ static girih_result transfer(girih_device *device, VkBuffer buffer, char *bytes,
             break;
         }
         girih_device_full_barrier(device->commands);
-        VkBufferCopy region = {to_device ? 0 : at, to_device ? at : 0, count};
-        vkCmdCopyBuffer(device->commands, to_device ? staging.buffer : buffer,
-                        to_device ? buffer : staging.buffer, 1, &region);
+        const VkDeviceSize place = range->offset + at;
+        VkBufferCopy region = {to_device ? 0 : place, to_device ? place : 0, count};
+        vkCmdCopyBuffer(device->commands, to_device ? staging.buffer : range->buffer,
+                        to_device ? range->buffer : staging.buffer, 1, &region);
         girih_device_full_barrier(device->commands);
         result = girih_device_finish(device, error);
         if (result == GIRIH_OK && !to_device) {
@@ -160,10 +161,10 @@ girih_result girih_device_write(girih_device *device, VkBuffer buffer, const voi
     // The bytes are only read.
     char *source;
     memcpy(&source, &bytes, sizeof source);
-    return transfer(device, buffer, source, size, true, error);
+    return transfer(device, &(girih_buffer_range){.buffer = buffer}, source, size, true, error);
 }
 
-girih_result girih_device_read(girih_device *device, VkBuffer buffer, VkDeviceSize size,
-                               void *bytes, girih_error *error) {
-    return transfer(device, buffer, bytes, size, false, error);
+girih_result girih_device_read(girih_device *device, const girih_buffer_range *range,
+                               VkDeviceSize size, void *bytes, girih_error *error) {
+    return transfer(device, range, bytes, size, false, error);
 }

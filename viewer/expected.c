@@ -25,7 +25,7 @@ static girih_result run_levels(girih_arrays *arrays, const girih_model *model,
     girih_plan_shape shape = {.mode = GIRIH_MODE_BAKED, .outputs = GIRIH_OUTPUT_NO_DRAW};
     girih_result result = girih_pack_catalogue(arrays, catalogue, error);
     if (result == GIRIH_OK) {
-        result = girih_pack_scene(arrays, &table, model->meshes, model->mesh_count, error);
+        result = girih_pack_scene(arrays, &table, model->meshes, model->mesh_count, 0, error);
     }
     if (result == GIRIH_OK) {
         result = girih_pack_plan(arrays, &shape, &table, instances, instance_count, error);

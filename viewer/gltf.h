@@ -24,22 +24,29 @@ typedef enum girih_gltf_wrap {
     GIRIH_GLTF_WRAP_CLAMP
 } girih_gltf_wrap;
 
-// An image as 8-bit RGBA rows, top row first, sRGB as the base colour is. Only images that some
-// material uses as its base colour are decoded; a material whose image cannot be has none.
+// An image as 8-bit RGBA rows, top row first: sRGB as a base colour, linear as a normal map. Only
+// images that some material uses as one of these are decoded; a material whose image cannot be has
+// none.
 typedef struct girih_gltf_image {
     uint32_t width, height;
     const uint8_t *pixels; // 4 * width * height bytes, owned by the model
 } girih_gltf_image;
 
+// A material's use of a texture.
+typedef struct girih_gltf_texture {
+    int32_t image;                       // index into images, -1: none
+    uint32_t texcoord;                   // the TEXCOORD set it uses
+    float offset[2], scale[2], rotation; // KHR_texture_transform; (0,0), (1,1), 0
+    girih_gltf_wrap wrap_s, wrap_t;
+    bool nearest; // magnification filter
+} girih_gltf_texture;
+
 typedef struct girih_gltf_material {
     const char *name;
-    float base_color[4];          // linear factor
-    int32_t base_color_image;     // index into images, -1: none
-    uint32_t base_color_texcoord; // the TEXCOORD set it uses
-    float texcoord_offset[2], texcoord_scale[2],
-        texcoord_rotation; // KHR_texture_transform; (0,0), (1,1), 0
-    girih_gltf_wrap wrap_s, wrap_t;
-    bool nearest;              // magnification filter
+    float base_color[4]; // linear factor
+    girih_gltf_texture base_color_texture;
+    girih_gltf_texture normal_texture;
+    float normal_scale;        // of the normal map's x and y
     float metallic, roughness; // factors
     float emissive[3];
     girih_gltf_alpha_mode alpha_mode;

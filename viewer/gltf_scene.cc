@@ -1,5 +1,5 @@
-// The scene around the meshes: node transforms, cameras, materials and their base colour textures,
-// as tinygltf reads them from the checked document.
+// The scene around the meshes: node transforms, cameras, materials and their textures, as tinygltf
+// reads them from the checked document.
 #include "gltf_model.hh"
 
 #include <algorithm>
@@ -79,15 +79,17 @@ float finite(double value) {
 }
 
 class scene_loader {
-public:
+  public:
     scene_loader(girih_gltf_model &model, const document &source, const warner &warn);
     void load();
 
-private:
+  private:
     std::vector<std::size_t> node_parents() const;
     void place(std::size_t node_index, const transform &world);
     void load_nodes();
     void load_materials();
+    girih_gltf_texture texture_use(int index, int texcoord,
+                                   const tinygltf::ExtensionMap &extensions, const char *material);
     std::int32_t decoded_image(std::size_t image_index);
 
     girih_gltf_model &model_;
@@ -292,6 +294,52 @@ girih_gltf_wrap wrap_mode(int value) {
                                                             : GIRIH_GLTF_WRAP_REPEAT;
 }
 
+girih_gltf_texture scene_loader::texture_use(int index, int texcoord,
+                                             const tinygltf::ExtensionMap &extensions,
+                                             const char *material) {
+    girih_gltf_texture result = {};
+    result.image = -1;
+    result.scale[0] = result.scale[1] = 1.0f;
+    if (index < 0) {
+        return result;
+    }
+    const tinygltf::Texture &texture = scene_.textures[static_cast<std::size_t>(index)];
+    result.texcoord = static_cast<std::uint32_t>(texcoord);
+    if (texture.source >= 0) {
+        result.image = decoded_image(static_cast<std::size_t>(texture.source));
+    } else {
+        warn_("material '" + std::string(material) +
+              "': its texture has no PNG or JPEG image, it is drawn without");
+    }
+    if (texture.sampler >= 0) {
+        const tinygltf::Sampler &sampler =
+            scene_.samplers[static_cast<std::size_t>(texture.sampler)];
+        result.wrap_s = wrap_mode(sampler.wrapS);
+        result.wrap_t = wrap_mode(sampler.wrapT);
+        result.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+    }
+    const auto transformed = extensions.find("KHR_texture_transform");
+    if (transformed == extensions.end()) {
+        return result;
+    }
+    const tinygltf::Value &change = transformed->second;
+    for (int c = 0; c < 2; c++) {
+        if (change.Has("offset")) {
+            result.offset[c] = finite(change.Get("offset").Get(c).GetNumberAsDouble());
+        }
+        if (change.Has("scale")) {
+            result.scale[c] = finite(change.Get("scale").Get(c).GetNumberAsDouble());
+        }
+    }
+    if (change.Has("rotation")) {
+        result.rotation = finite(change.Get("rotation").GetNumberAsDouble());
+    }
+    if (change.Has("texCoord")) {
+        result.texcoord = static_cast<std::uint32_t>(change.Get("texCoord").GetNumberAsInt());
+    }
+    return result;
+}
+
 void scene_loader::load_materials() {
     for (std::size_t i = 0; i < scene_.materials.size(); i++) {
         const tinygltf::Material &from = scene_.materials[i];
@@ -313,47 +361,13 @@ void scene_loader::load_materials() {
         material.alpha_cutoff = finite(from.alphaCutoff);
         material.double_sided = from.doubleSided;
         material.unlit = from.extensions.count("KHR_materials_unlit") != 0;
-        material.base_color_image = -1;
-        material.texcoord_scale[0] = material.texcoord_scale[1] = 1.0f;
-        const tinygltf::TextureInfo &use = from.pbrMetallicRoughness.baseColorTexture;
-        if (use.index >= 0) {
-            const tinygltf::Texture &texture = scene_.textures[static_cast<std::size_t>(use.index)];
-            material.base_color_texcoord = static_cast<std::uint32_t>(use.texCoord);
-            if (texture.source >= 0) {
-                material.base_color_image = decoded_image(static_cast<std::size_t>(texture.source));
-            } else {
-                warn_("material '" + std::string(material.name) +
-                      "': its texture has no PNG or JPEG image, it is drawn without");
-            }
-            if (texture.sampler >= 0) {
-                const tinygltf::Sampler &sampler =
-                    scene_.samplers[static_cast<std::size_t>(texture.sampler)];
-                material.wrap_s = wrap_mode(sampler.wrapS);
-                material.wrap_t = wrap_mode(sampler.wrapT);
-                material.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
-            }
-            const auto transformed = use.extensions.find("KHR_texture_transform");
-            if (transformed != use.extensions.end()) {
-                const tinygltf::Value &change = transformed->second;
-                for (std::size_t c = 0; c < 2; c++) {
-                    if (change.Has("offset")) {
-                        material.texcoord_offset[c] = finite(
-                            change.Get("offset").Get(static_cast<int>(c)).GetNumberAsDouble());
-                    }
-                    if (change.Has("scale")) {
-                        material.texcoord_scale[c] = finite(
-                            change.Get("scale").Get(static_cast<int>(c)).GetNumberAsDouble());
-                    }
-                }
-                if (change.Has("rotation")) {
-                    material.texcoord_rotation = finite(change.Get("rotation").GetNumberAsDouble());
-                }
-                if (change.Has("texCoord")) {
-                    material.base_color_texcoord =
-                        static_cast<std::uint32_t>(change.Get("texCoord").GetNumberAsInt());
-                }
-            }
-        }
+        const tinygltf::TextureInfo &base = from.pbrMetallicRoughness.baseColorTexture;
+        const tinygltf::NormalTextureInfo &normal = from.normalTexture;
+        material.base_color_texture =
+            texture_use(base.index, base.texCoord, base.extensions, material.name);
+        material.normal_texture =
+            texture_use(normal.index, normal.texCoord, normal.extensions, material.name);
+        material.normal_scale = finite(normal.scale);
         model_.materials.push_back(material);
     }
 }

@@ -22,34 +22,57 @@ static const girih_gltf_attribute *find_attribute(const girih_gltf_primitive *pr
     return NULL;
 }
 
-// The texture coordinates that a primitive's base colour texture reads, or NULL.
-static const girih_gltf_attribute *find_texcoord(const girih_gltf_contents *contents,
-                                                 const girih_gltf_primitive *primitive) {
-    if (primitive->material < 0 || contents->materials[primitive->material].base_color_image < 0) {
+// The texture coordinates that the base colour texture of a primitive's material reads, and those
+// that its normal map reads: where only one of the two is there, both are its. NULL: none.
+typedef struct texcoord_pair {
+    const girih_gltf_attribute *base, *normal;
+} texcoord_pair;
+
+static const girih_gltf_attribute *find_texcoord(const girih_gltf_primitive *primitive,
+                                                 const girih_gltf_texture *texture) {
+    if (texture->image < 0) {
         return NULL;
     }
     char name[32];
-    snprintf(name, sizeof name, "TEXCOORD_%u",
-             contents->materials[primitive->material].base_color_texcoord);
+    snprintf(name, sizeof name, "TEXCOORD_%u", texture->texcoord);
     return find_attribute(primitive, name);
+}
+
+static texcoord_pair find_texcoords(const girih_gltf_contents *contents,
+                                    const girih_gltf_primitive *primitive) {
+    texcoord_pair pair = {NULL, NULL};
+    if (primitive->material >= 0) {
+        const girih_gltf_material *material = &contents->materials[primitive->material];
+        pair.base = find_texcoord(primitive, &material->base_color_texture);
+        pair.normal = find_texcoord(primitive, &material->normal_texture);
+    }
+    pair.base = pair.base != NULL ? pair.base : pair.normal;
+    pair.normal = pair.normal != NULL ? pair.normal : pair.base;
+    return pair;
 }
 
 // --- The layout of attributes ---
 
 static void lay_out_drawing(girih_model *model) {
     const girih_gltf_contents *contents = model->contents;
-    bool has_texcoord = false;
+    uint32_t texcoord_floats = 0;
     bool has_color = false;
     for (uint32_t m = 0; m < contents->mesh_count; m++) {
         for (uint32_t n = 0; n < contents->meshes[m].primitive_count; n++) {
             const girih_gltf_primitive *primitive = &contents->meshes[m].primitives[n];
-            has_texcoord |= find_texcoord(contents, primitive) != NULL;
+            texcoord_pair texcoords = find_texcoords(contents, primitive);
+            if (texcoords.base != texcoords.normal) {
+                texcoord_floats = 4;
+            } else if (texcoords.base != NULL && texcoord_floats == 0) {
+                texcoord_floats = 2;
+            }
             has_color |= find_attribute(primitive, "COLOR_0") != NULL;
         }
     }
-    if (has_texcoord) {
+    if (texcoord_floats != 0) {
         model->texcoord_float = model->attribute_floats;
-        model->attribute_floats += 2;
+        model->texcoord_floats = texcoord_floats;
+        model->attribute_floats += texcoord_floats;
     }
     if (has_color) {
         model->color_float = model->attribute_floats;
@@ -174,8 +197,13 @@ static void copy_attributes(const girih_model *model, const girih_gltf_primitive
                             float *to) {
     uint32_t stride = model->attribute_floats;
     if (model->texcoord_float != GIRIH_MODEL_NONE) {
-        copy_attribute(to + model->texcoord_float, stride, 2,
-                       find_texcoord(model->contents, primitive), primitive->vertex_count, 0.0f);
+        texcoord_pair texcoords = find_texcoords(model->contents, primitive);
+        copy_attribute(to + model->texcoord_float, stride, 2, texcoords.base,
+                       primitive->vertex_count, 0.0f);
+        if (model->texcoord_floats == 4) {
+            copy_attribute(to + model->texcoord_float + 2, stride, 2, texcoords.normal,
+                           primitive->vertex_count, 0.0f);
+        }
     }
     if (model->color_float != GIRIH_MODEL_NONE) {
         copy_attribute(to + model->color_float, stride, 4, find_attribute(primitive, "COLOR_0"),

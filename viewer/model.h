@@ -35,6 +35,8 @@ typedef struct girih_model {
     uint32_t attribute_count; // REFINE
     girih_model_attribute *attributes;
     uint32_t texcoord_float, color_float; // DRAW: where they begin, or GIRIH_MODEL_NONE
+    uint32_t
+        texcoord_floats; // 2; 4 where a normal map has coordinates of its own, behind the others
 
     uint32_t material_count;
     int32_t *materials;       // [material_count] DRAW: the glTF material, -1: the default

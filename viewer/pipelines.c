@@ -65,7 +65,9 @@ static void describe_buffers(const girih_pipelines *pipelines, buffer_input *inp
     input->attributes[2] = (VkVertexInputAttributeDescription){8, 1, VK_FORMAT_R32_SFLOAT, 0};
     input->attributes[3] = (VkVertexInputAttributeDescription){9, 1, VK_FORMAT_R32_SFLOAT, 0};
     if (has_texcoord) {
-        input->attributes[2].format = VK_FORMAT_R32G32_SFLOAT;
+        input->attributes[2].format = pipelines->texcoord_floats == 4
+                                          ? VK_FORMAT_R32G32B32A32_SFLOAT
+                                          : VK_FORMAT_R32G32_SFLOAT;
         input->attributes[2].offset = 12 + 4 * pipelines->texcoord_float;
     }
     if (has_color) {
@@ -98,14 +100,17 @@ static VkPipelineColorBlendAttachmentState blend_state(const girih_pipeline_key 
 static girih_result create_pipeline(const girih_pipelines *pipelines, const girih_pipeline_key *key,
                                     const girih_plan *plan, const VkShaderModule modules[2],
                                     VkPipeline *pipeline, girih_error *error) {
-    VkBool32 switches[5] = {key->has_texcoord, key->has_color,
+    VkBool32 switches[6] = {key->has_base_color_map,
+                            key->has_color,
                             key->alpha_mode == GIRIH_GLTF_ALPHA_MASK,
-                            key->alpha_mode == GIRIH_GLTF_ALPHA_BLEND, key->line};
-    VkSpecializationMapEntry entries[5];
-    for (uint32_t n = 0; n < 5; n++) {
+                            key->alpha_mode == GIRIH_GLTF_ALPHA_BLEND,
+                            key->line,
+                            key->has_normal_map};
+    VkSpecializationMapEntry entries[6];
+    for (uint32_t n = 0; n < 6; n++) {
         entries[n] = (VkSpecializationMapEntry){n, 4 * n, 4};
     }
-    VkSpecializationInfo specialization = {5, entries, sizeof switches, switches};
+    VkSpecializationInfo specialization = {6, entries, sizeof switches, switches};
     VkPipelineShaderStageCreateInfo stages[2];
     for (int n = 0; n < 2; n++) {
         stages[n] = (VkPipelineShaderStageCreateInfo){
@@ -193,7 +198,8 @@ static bool keys_equal(const girih_pipeline_key *a, const girih_pipeline_key *b)
         return a->background == b->background;
     }
     return a->instanced == b->instanced && a->surface == b->surface &&
-           a->has_texcoord == b->has_texcoord && a->has_color == b->has_color &&
+           a->has_base_color_map == b->has_base_color_map &&
+           a->has_normal_map == b->has_normal_map && a->has_color == b->has_color &&
            a->alpha_mode == b->alpha_mode && a->cull == b->cull && a->line == b->line &&
            a->behind == b->behind;
 }

@@ -15,6 +15,7 @@ typedef struct girih_picture_block {
     uint32_t range_count;
     uint32_t attribute_floats;
     uint32_t texcoord_float;
+    uint32_t texcoord_floats;
     uint32_t color_float;
 } girih_picture_block;
 
@@ -22,8 +23,11 @@ typedef struct girih_picture_block {
 typedef struct girih_material_block {
     float base_color[4];
     float emissive[4];
-    float texcoord_row0[4];
-    float texcoord_row1[4];
+    float base_color_row0[4];
+    float base_color_row1[4];
+    float normal_row0[4];
+    float normal_row1[4];
+    float normal_scale;
     float metallic;
     float roughness;
     float alpha_cutoff;
@@ -37,7 +41,7 @@ typedef struct girih_pipeline_key {
     bool background; // the rest is unused then
     bool instanced;
     girih_surface surface;
-    bool has_texcoord, has_color; // in the shaders: the material's texture, the vertex colour
+    bool has_base_color_map, has_normal_map, has_color; // has_color: of the vertices
     girih_gltf_alpha_mode alpha_mode;
     VkCullModeFlags cull;
     bool line;
@@ -49,7 +53,7 @@ typedef struct girih_pipelines {
     VkRenderPass pass;
     VkPipelineLayout layout;
     VkSampleCountFlagBits samples;
-    uint32_t attribute_floats, texcoord_float, color_float;
+    uint32_t attribute_floats, texcoord_float, texcoord_floats, color_float;
     uint32_t count;
     struct girih_pipeline_entry {
         girih_pipeline_key key;

@@ -157,13 +157,14 @@ static girih_result read_output(session *s, girih_device *device, const girih_pl
     }
     girih_report_progress("reading back");
     girih_result result =
-        girih_device_read(device, buffers.positions, vertices * 12, output->positions, error);
+        girih_device_read(device, &buffers.positions, vertices * 12, output->positions, error);
     if (result == GIRIH_OK) {
-        result = girih_device_read(device, buffers.attributes, vertices * floats * 4,
+        result = girih_device_read(device, &buffers.attributes, vertices * floats * 4,
                                    output->attributes, error);
     }
     if (result == GIRIH_OK) {
-        result = girih_device_read(device, buffers.indices, triangles * 12, output->indices, error);
+        result = girih_device_read(device, &buffers.indices, triangles * 12, output->indices,
+                                   error);
     }
     return result;
 }

@@ -6,7 +6,8 @@ girih_result girih_refinement_scene(girih_device *device, const girih_context *c
                                     const girih_mesh *const *meshes, uint32_t mesh_count,
                                     girih_scene **scene, girih_error *error) {
     girih_report_progress("uploading");
-    girih_result result = girih_scene_create(context, meshes, mesh_count, scene, error);
+    girih_result result = girih_scene_create(
+        context, &(girih_scene_desc){.meshes = meshes, .mesh_count = mesh_count}, scene, error);
     if (result == GIRIH_OK) {
         result = girih_device_begin(device, error);
         if (result == GIRIH_OK) {

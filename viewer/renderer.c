@@ -237,6 +237,7 @@ static girih_result fill_buffers(girih_renderer *renderer, girih_error *error) {
             .range_count = range_count,
             .attribute_floats = desc->model->attribute_floats,
             .texcoord_float = desc->model->texcoord_float,
+            .texcoord_floats = desc->model->texcoord_floats,
             .color_float = desc->model->color_float,
         };
         memcpy(block.view_projection, desc->view->view_projection, sizeof block.view_projection);
@@ -263,16 +264,17 @@ static girih_result create_layouts(girih_renderer *renderer, girih_error *error)
         {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, both, NULL},
         {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, NULL},
     };
-    VkDescriptorSetLayoutBinding material = {0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1,
-                                             VK_SHADER_STAGE_FRAGMENT_BIT, NULL};
+    VkDescriptorSetLayoutBinding material[2] = {
+        {0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
+        {1, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
+    };
     VkDescriptorSetLayoutCreateInfo info = {.sType =
                                                 VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
                                             .bindingCount = 2,
                                             .pBindings = picture};
     VkResult result = vkCreateDescriptorSetLayout(device, &info, NULL, &renderer->picture_layout);
     if (result == VK_SUCCESS) {
-        info.bindingCount = 1;
-        info.pBindings = &material;
+        info.pBindings = material;
         result = vkCreateDescriptorSetLayout(device, &info, NULL, &renderer->material_layout);
     }
     if (result != VK_SUCCESS) {
@@ -305,9 +307,10 @@ static const girih_gltf_material *find_material(const girih_model *model, uint32
 static girih_result create_sets(girih_renderer *renderer, girih_error *error) {
     VkDevice device = renderer->device->device;
     uint32_t material_count = renderer->desc.model->material_count;
-    VkDescriptorPoolSize sizes[3] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1},
-                                     {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1},
-                                     {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, material_count}};
+    VkDescriptorPoolSize sizes[3] = {
+        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1},
+        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1},
+        {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 2 * material_count}};
     VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
         .maxSets = material_count + 1,
@@ -351,17 +354,25 @@ static girih_result create_sets(girih_renderer *renderer, girih_error *error) {
         vkUpdateDescriptorSets(device, 1, &write, 0, NULL);
     }
     for (uint32_t n = 0; n < material_count; n++) {
-        VkDescriptorImageInfo image;
+        const girih_gltf_material *material = find_material(renderer->desc.model, n);
+        VkDescriptorImageInfo images[2];
         girih_result found =
             girih_textures_find(&renderer->textures, renderer->device,
-                                find_material(renderer->desc.model, n), &image, error);
+                                material != NULL ? &material->base_color_texture : NULL,
+                                GIRIH_TEXEL_SRGB, &images[0], error);
+        if (found == GIRIH_OK) {
+            found = girih_textures_find(&renderer->textures, renderer->device,
+                                        material != NULL ? &material->normal_texture : NULL,
+                                        GIRIH_TEXEL_LINEAR, &images[1], error);
+        }
         if (found != GIRIH_OK) {
             return found;
         }
         write.dstSet = renderer->material_sets[n];
         write.dstBinding = 0;
+        write.descriptorCount = 2; // runs on into binding 1
         write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-        write.pImageInfo = &image;
+        write.pImageInfo = images;
         vkUpdateDescriptorSets(device, 1, &write, 0, NULL);
     }
     return GIRIH_OK;
@@ -378,6 +389,7 @@ girih_result girih_renderer_create(const girih_renderer_desc *desc, girih_render
     made->pipelines.device = desc->device->device;
     made->pipelines.attribute_floats = desc->model->attribute_floats;
     made->pipelines.texcoord_float = desc->model->texcoord_float;
+    made->pipelines.texcoord_floats = desc->model->texcoord_floats;
     made->pipelines.color_float = desc->model->color_float;
     girih_result result =
         girih_textures_create(&made->textures, made->device, desc->model->contents, error);
@@ -433,11 +445,21 @@ void girih_renderer_destroy(girih_renderer *renderer) {
 
 // --- Drawing ---
 
+// KHR_texture_transform: translation * rotation * scale.
+static void texcoord_rows(const girih_gltf_texture *texture, float row0[4], float row1[4]) {
+    float c = cosf(texture->rotation);
+    float s = sinf(texture->rotation);
+    row0[0] = c * texture->scale[0];
+    row0[1] = s * texture->scale[1];
+    row0[2] = texture->offset[0];
+    row1[0] = -s * texture->scale[0];
+    row1[1] = c * texture->scale[1];
+    row1[2] = texture->offset[1];
+}
+
 static girih_material_block material_block(const girih_gltf_material *material) {
     girih_material_block block = {
         .base_color = {0.8f, 0.8f, 0.8f, 1.0f},
-        .texcoord_row0 = {1.0f, 0.0f, 0.0f, 0.0f},
-        .texcoord_row1 = {0.0f, 1.0f, 0.0f, 0.0f},
         .roughness = 0.55f,
     };
     if (material == NULL) {
@@ -449,15 +471,9 @@ static girih_material_block material_block(const girih_gltf_material *material) 
     block.metallic = material->metallic;
     block.roughness = material->roughness;
     block.alpha_cutoff = material->alpha_cutoff;
-    // KHR_texture_transform: translation * rotation * scale.
-    float c = cosf(material->texcoord_rotation);
-    float s = sinf(material->texcoord_rotation);
-    float row0[3] = {c * material->texcoord_scale[0], s * material->texcoord_scale[1],
-                     material->texcoord_offset[0]};
-    float row1[3] = {-s * material->texcoord_scale[0], c * material->texcoord_scale[1],
-                     material->texcoord_offset[1]};
-    memcpy(block.texcoord_row0, row0, sizeof row0);
-    memcpy(block.texcoord_row1, row1, sizeof row1);
+    block.normal_scale = material->normal_scale;
+    texcoord_rows(&material->base_color_texture, block.base_color_row0, block.base_color_row1);
+    texcoord_rows(&material->normal_texture, block.normal_row0, block.normal_row1);
     return block;
 }
 
@@ -468,11 +484,12 @@ static girih_result draw_material(girih_renderer *renderer, const girih_drawing 
     const girih_model *model = renderer->desc.model;
     const girih_gltf_material *material = find_material(model, number);
     VkCommandBuffer commands = renderer->device->commands;
+    bool has_texcoord = model->texcoord_float != GIRIH_MODEL_NONE && material != NULL;
     girih_pipeline_key key = {
         .instanced = drawing->plan != NULL && drawing->mode == GIRIH_MODE_INSTANCED,
         .surface = drawing->surface,
-        .has_texcoord = model->texcoord_float != GIRIH_MODEL_NONE && material != NULL &&
-                        material->base_color_image >= 0,
+        .has_base_color_map = has_texcoord && material->base_color_texture.image >= 0,
+        .has_normal_map = has_texcoord && material->normal_texture.image >= 0,
         .has_color = model->color_float != GIRIH_MODEL_NONE,
         .alpha_mode = material != NULL ? material->alpha_mode : GIRIH_GLTF_ALPHA_OPAQUE,
         .cull = cull,

@@ -5,7 +5,10 @@
 
 #include "error.h"
 
-static const VkFormat texture_format = VK_FORMAT_R8G8B8A8_SRGB;
+static const VkFormat texture_formats[] = {
+    [GIRIH_TEXEL_SRGB] = VK_FORMAT_R8G8B8A8_SRGB,
+    [GIRIH_TEXEL_LINEAR] = VK_FORMAT_R8G8B8A8_UNORM,
+};
 
 static VkImageMemoryBarrier level_barrier(VkImage image, uint32_t level, uint32_t level_count,
                                           VkAccessFlags from, VkAccessFlags to,
@@ -65,8 +68,9 @@ static void record_levels(VkCommandBuffer commands, VkImage image, VkBuffer stag
                          VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, 0, 0, NULL, 0, NULL, 1, &barrier);
 }
 
-static girih_result create_texture(girih_device *device, girih_device_image *image, uint32_t width,
-                                   uint32_t height, const uint8_t *pixels, girih_error *error) {
+static girih_result create_texture(girih_device *device, girih_device_image *image,
+                                   girih_texel texel, uint32_t width, uint32_t height,
+                                   const uint8_t *pixels, girih_error *error) {
     uint32_t limit = device->properties.limits.maxImageDimension2D;
     if (width > limit || height > limit) {
         return girih_fail(
@@ -81,7 +85,7 @@ static girih_result create_texture(girih_device *device, girih_device_image *ima
     VkImageCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
         .imageType = VK_IMAGE_TYPE_2D,
-        .format = texture_format,
+        .format = texture_formats[texel],
         .extent = {width, height, 1},
         .mipLevels = level_count,
         .arrayLayers = 1,
@@ -110,25 +114,39 @@ static girih_result create_texture(girih_device *device, girih_device_image *ima
     return result;
 }
 
+static girih_result create_used(girih_textures *textures, girih_device *device,
+                                const girih_gltf_contents *contents,
+                                const girih_gltf_texture *texture, girih_texel texel,
+                                girih_error *error) {
+    if (texture->image < 0) {
+        return GIRIH_OK;
+    }
+    const girih_gltf_image *image = &contents->images[texture->image];
+    girih_device_image *made = &textures->images[2 * (uint32_t)texture->image + texel];
+    if (made->image != VK_NULL_HANDLE || image->pixels == NULL || image->width == 0 ||
+        image->height == 0) {
+        return GIRIH_OK;
+    }
+    return create_texture(device, made, texel, image->width, image->height, image->pixels, error);
+}
+
 girih_result girih_textures_create(girih_textures *textures, girih_device *device,
                                    const girih_gltf_contents *contents, girih_error *error) {
-    *textures = (girih_textures){.count = contents->image_count + 1};
+    *textures = (girih_textures){.count = 2 * contents->image_count + 1};
     textures->images = calloc(textures->count, sizeof *textures->images);
     if (textures->images == NULL) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
     static const uint8_t white[4] = {255, 255, 255, 255};
-    girih_result result =
-        create_texture(device, &textures->images[contents->image_count], 1, 1, white, error);
+    girih_result result = create_texture(device, &textures->images[textures->count - 1],
+                                         GIRIH_TEXEL_SRGB, 1, 1, white, error);
     for (uint32_t n = 0; n < contents->material_count && result == GIRIH_OK; n++) {
-        int32_t number = contents->materials[n].base_color_image;
-        if (number < 0 || textures->images[number].image != VK_NULL_HANDLE) {
-            continue;
-        }
-        const girih_gltf_image *image = &contents->images[number];
-        if (image->pixels != NULL && image->width != 0 && image->height != 0) {
-            result = create_texture(device, &textures->images[number], image->width, image->height,
-                                    image->pixels, error);
+        const girih_gltf_material *material = &contents->materials[n];
+        result = create_used(textures, device, contents, &material->base_color_texture,
+                             GIRIH_TEXEL_SRGB, error);
+        if (result == GIRIH_OK) {
+            result = create_used(textures, device, contents, &material->normal_texture,
+                                 GIRIH_TEXEL_LINEAR, error);
         }
     }
     if (result != GIRIH_OK) {
@@ -155,26 +173,26 @@ static VkSamplerAddressMode address_mode(girih_gltf_wrap wrap) {
 }
 
 girih_result girih_textures_find(girih_textures *textures, const girih_device *device,
-                                 const girih_gltf_material *material, VkDescriptorImageInfo *info,
-                                 girih_error *error) {
-    static const girih_gltf_material none = {.base_color_image = -1};
-    material = material != NULL ? material : &none;
+                                 const girih_gltf_texture *texture, girih_texel texel,
+                                 VkDescriptorImageInfo *info, girih_error *error) {
+    static const girih_gltf_texture none = {.image = -1};
+    texture = texture != NULL ? texture : &none;
     uint32_t image = textures->count - 1;
-    if (material->base_color_image >= 0 &&
-        textures->images[material->base_color_image].image != VK_NULL_HANDLE) {
-        image = (uint32_t)material->base_color_image;
+    if (texture->image >= 0) {
+        uint32_t own = 2 * (uint32_t)texture->image + texel;
+        image = textures->images[own].image != VK_NULL_HANDLE ? own : image;
     }
     VkSampler *sampler =
-        &textures->samplers[((uint32_t)material->wrap_s * 3 + (uint32_t)material->wrap_t) * 2 +
-                            material->nearest];
+        &textures->samplers[((uint32_t)texture->wrap_s * 3 + (uint32_t)texture->wrap_t) * 2 +
+                            texture->nearest];
     if (*sampler == VK_NULL_HANDLE) {
         VkSamplerCreateInfo create = {
             .sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
-            .magFilter = material->nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR,
+            .magFilter = texture->nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR,
             .minFilter = VK_FILTER_LINEAR,
             .mipmapMode = VK_SAMPLER_MIPMAP_MODE_LINEAR,
-            .addressModeU = address_mode(material->wrap_s),
-            .addressModeV = address_mode(material->wrap_t),
+            .addressModeU = address_mode(texture->wrap_s),
+            .addressModeV = address_mode(texture->wrap_t),
             .addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT,
             .maxLod = VK_LOD_CLAMP_NONE,
         };

@@ -1,6 +1,6 @@
 // Stage 5 on the CPU: patches for the instanced mode, or the surface's points for the baked and
-// welded modes. Twin of glsl/evaluate.comp.
-#include "item.h"
+// welded modes. Twin of glsl/evaluate.glsl.
+#include "own.h"
 
 // Copied, not assigned as words: girih_cpu_output hands the same memory out as floats.
 static void write_vector(uint32_t *words, girih_vector v) {
@@ -49,9 +49,84 @@ static void write_patch(girih_arrays *arrays, uint32_t number, girih_surface sur
     words[3] = group << 3 | item.lambda;
 }
 
-static void write_points(girih_arrays *arrays, uint32_t number, girih_surface surface) {
-    const uint32_t attribute_floats = arrays->frame.attribute_floats;
+// Where a vertex goes: its position, and words of its normal followed by its attributes.
+typedef struct target {
+    uint32_t *position, *attributes;
+} target;
+
+static target find_target(const girih_arrays *arrays, uint32_t vertex) {
+    return (target){arrays->words[GIRIH_BIND_OUT_POSITIONS] + (size_t)vertex * 3,
+                    arrays->words[GIRIH_BIND_OUT_ATTRIBUTES] +
+                        (size_t)vertex * arrays->frame.attribute_stride};
+}
+
+static void write_attributes(const girih_arrays *arrays, const uint32_t vertices[3],
+                             const float b[3], uint32_t *words) {
+    const uint32_t floats = arrays->frame.attribute_floats;
     const uint32_t *attributes = arrays->words[GIRIH_BIND_ATTRIBUTES];
+    for (uint32_t a = 0; a < floats; ++a) {
+        const float value = girih_no_negative_zero(girih_patch_attribute(
+            girih_word_float(attributes[(size_t)vertices[0] * floats + a]),
+            girih_word_float(attributes[(size_t)vertices[1] * floats + a]),
+            girih_word_float(attributes[(size_t)vertices[2] * floats + a]), b[0], b[1], b[2]));
+        memcpy(words + a, &value, sizeof value);
+    }
+}
+
+static void to_barycentric(const uint32_t weights[3], float b[3]) {
+    for (int n = 0; n < 3; ++n) {
+        b[n] = (float)weights[n] * (1.0f / 32768.0f);
+    }
+}
+
+// An item's patches of the host's surface: its own, and the last one of another triangle.
+typedef struct own_item {
+    const girih_arrays *arrays;
+    const girih_cpu_desc *desc;
+    const girih_item *item;
+    girih_own_patch own, other;
+} own_item;
+
+static const girih_own_patch *own_patch(own_item *surface, uint32_t scene_triangle) {
+    if (scene_triangle == surface->own.scene_triangle) {
+        return &surface->own;
+    }
+    if (scene_triangle != surface->other.scene_triangle) {
+        girih_own_patch_make(surface->arrays, surface->desc, scene_triangle,
+                             surface->item->instance, &surface->other);
+    }
+    return &surface->other;
+}
+
+static void begin_own(own_item *surface, const girih_arrays *arrays, const girih_cpu_desc *desc,
+                      const girih_item *item) {
+    surface->arrays = arrays;
+    surface->desc = desc;
+    surface->item = item;
+    girih_own_patch_make(arrays, desc, item->scene_triangle, item->instance, &surface->own);
+    surface->other.scene_triangle = item->scene_triangle;
+}
+
+// `permuted`: the weights of the base pattern's corners.
+static void write_own_point(own_item *surface, const uint32_t permuted[3], target out) {
+    const girih_item *item = surface->item;
+    uint32_t weights[3];
+    for (uint32_t n = 0; n < 3; ++n) {
+        weights[item->corners[n]] = permuted[n];
+    }
+    const girih_places places = girih_find_places(surface->arrays, item->scene_triangle, weights);
+    float b[3];
+    to_barycentric(places.position.weights, b);
+    const girih_own_patch *owner = own_patch(surface, places.position.scene_triangle);
+    write_vector(out.position, girih_own_position(surface->desc, owner, b));
+    to_barycentric(places.normal.weights, b);
+    owner = own_patch(surface, places.normal.scene_triangle);
+    write_vector(out.attributes, girih_own_normal(surface->desc, owner, b));
+}
+
+// `own` is NULL, or has the surface that is evaluated instead of the library's.
+static void write_points(girih_arrays *arrays, uint32_t number, girih_surface surface,
+                         const girih_cpu_desc *own) {
     const girih_item item = girih_read_item(arrays, number);
     const uint32_t count = girih_group_word(arrays, item.group, GIRIH_GROUP_VERTICES);
     const uint32_t first =
@@ -64,29 +139,29 @@ static void write_points(girih_arrays *arrays, uint32_t number, girih_surface su
         weld = girih_item_weld(arrays, &item, vertices, false);
     }
     girih_patch p;
-    girih_item_patch(arrays, &item, vertices, surface, &p);
+    own_item own_surface;
+    if (own) {
+        begin_own(&own_surface, arrays, own, &item);
+    } else {
+        girih_item_patch(arrays, &item, vertices, surface, &p);
+    }
     const uint32_t *pattern_vertices =
         arrays->words[GIRIH_BIND_PATTERN_VERTICES] +
         girih_group_word(arrays, item.group, GIRIH_GROUP_PATTERN_VERTEX);
     for (uint32_t n = 0; n < count; ++n) {
-        const uint32_t vertex = welded ? girih_weld_vertex(&weld, n) : first + n;
-        const uint32_t ui = pattern_vertices[n] & 0xffff;
-        const uint32_t vi = pattern_vertices[n] >> 16;
-        const float u = (float)ui * (1.0f / 32768.0f);
-        const float v = (float)vi * (1.0f / 32768.0f);
-        const float w = (float)(32768 - ui - vi) * (1.0f / 32768.0f);
-        write_vector(arrays->words[GIRIH_BIND_OUT_POSITIONS] + (size_t)vertex * 3,
-                     girih_patch_position(&p, u, v, w));
-        uint32_t *words = arrays->words[GIRIH_BIND_OUT_ATTRIBUTES] +
-                          (size_t)vertex * (3 + attribute_floats);
-        write_vector(words, girih_patch_unit_normal(&p, u, v, w));
-        for (uint32_t a = 0; a < attribute_floats; ++a) {
-            const float value = girih_no_negative_zero(girih_patch_attribute(
-                girih_word_float(attributes[(size_t)vertices[0] * attribute_floats + a]),
-                girih_word_float(attributes[(size_t)vertices[1] * attribute_floats + a]),
-                girih_word_float(attributes[(size_t)vertices[2] * attribute_floats + a]), u, v, w));
-            memcpy(words + 3 + a, &value, sizeof value);
+        const target out = find_target(arrays, welded ? girih_weld_vertex(&weld, n) : first + n);
+        const uint32_t u = pattern_vertices[n] & 0xffff;
+        const uint32_t v = pattern_vertices[n] >> 16;
+        const uint32_t weights[3] = {u, v, 32768 - u - v};
+        float b[3];
+        to_barycentric(weights, b);
+        if (own) {
+            write_own_point(&own_surface, weights, out);
+        } else {
+            write_vector(out.position, girih_patch_position(&p, b[0], b[1], b[2]));
+            write_vector(out.attributes, girih_patch_unit_normal(&p, b[0], b[1], b[2]));
         }
+        write_attributes(arrays, vertices, b, out.attributes + 3);
     }
 }
 
@@ -96,7 +171,28 @@ void girih_twin_evaluate(girih_arrays *arrays, girih_surface surface) {
         if (arrays->frame.output_mode == GIRIH_OUTPUT_INSTANCED) {
             write_patch(arrays, number, surface);
         } else {
-            write_points(arrays, number, surface);
+            write_points(arrays, number, surface, NULL);
         }
     }
+}
+
+void girih_twin_evaluate_own(girih_arrays *arrays, const girih_cpu_desc *desc) {
+    const uint32_t items = girih_word(arrays, GIRIH_BIND_STATUS, GIRIH_STATUS_ITEMS);
+    for (uint32_t number = 0; number < items; ++number) {
+        write_points(arrays, number, GIRIH_SURFACE_OWN, desc);
+    }
+}
+
+void girih_cpu_base_position(const girih_cpu_patch *patch, const float barycentric[3],
+                             float position[3]) {
+    const girih_vector p =
+        girih_patch_position(patch->base, barycentric[0], barycentric[1], barycentric[2]);
+    memcpy(position, &p, sizeof p);
+}
+
+void girih_cpu_base_normal(const girih_cpu_patch *patch, const float barycentric[3],
+                           float normal[3]) {
+    const girih_vector n =
+        girih_patch_unit_normal(patch->base, barycentric[0], barycentric[1], barycentric[2]);
+    memcpy(normal, &n, sizeof n);
 }

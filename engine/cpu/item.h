@@ -136,9 +136,9 @@ static inline girih_weld girih_item_weld(const girih_arrays *arrays, const girih
         uint32_t edge = word & GIRIH_WELD_MASK;
         uint32_t vertex = vertices[n];
         if (closed) {
-            edge = girih_word(arrays, GIRIH_BIND_EDGE_WELD_EDGES,
-                              girih_word(arrays, GIRIH_BIND_WELD_EDGE_EDGES, edge));
-            vertex = girih_word(arrays, GIRIH_BIND_WELD_POINTS, vertex);
+            edge = girih_word(arrays, GIRIH_BIND_EDGES,
+                              2 * (size_t)girih_word(arrays, GIRIH_BIND_WELD_EDGES, 2 * (size_t)edge));
+            vertex = girih_word(arrays, GIRIH_BIND_POINTS, 2 * (size_t)vertex);
         }
         weld.corners[n] = vertex + vertex_delta;
         weld.edges[n] = arrays->frame.corner_count +

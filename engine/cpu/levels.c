@@ -4,8 +4,7 @@
 
 #include "scene.h"
 
-// A random number from an edge's end points; the edge's ends stand in canonical order, so both
-// triangles at it agree.
+// A random number from an edge's end points.
 static uint32_t hash_word(uint32_t hash, uint32_t word) {
     hash ^= word;
     hash *= 0x7feb352du;
@@ -15,16 +14,25 @@ static uint32_t hash_word(uint32_t hash, uint32_t word) {
     return hash;
 }
 
+static uint32_t hash_point(uint32_t hash, girih_vector p) {
+    hash = hash_word(hash, girih_float_word(p.x));
+    hash = hash_word(hash, girih_float_word(p.y));
+    return hash_word(hash, girih_float_word(p.z));
+}
+
+// The canonical order of mesh preparation.
+static bool comes_before(girih_vector p, girih_vector q) {
+    return p.x < q.x || (p.x == q.x && (p.y < q.y || (p.y == q.y && p.z < q.z)));
+}
+
+// Positions that the host has moved are hashed as a mesh freshly prepared from them would be: in
+// canonical order, without -0. For others this changes nothing.
 static uint32_t hash_edge(const girih_arrays *arrays, uint32_t seed, uint32_t a, uint32_t b) {
-    const uint32_t *vertices = arrays->words[GIRIH_BIND_VERTICES];
-    uint32_t hash = hash_word(0x9e3779b9u, seed);
-    for (uint32_t n = 0; n < 3; ++n) {
-        hash = hash_word(hash, vertices[(size_t)a * GIRIH_VERTEX_WORDS + n]);
-    }
-    for (uint32_t n = 0; n < 3; ++n) {
-        hash = hash_word(hash, vertices[(size_t)b * GIRIH_VERTEX_WORDS + n]);
-    }
-    return hash;
+    const girih_vector p = girih_no_negative_zeros(girih_vertex_position(arrays, a));
+    const girih_vector q = girih_no_negative_zeros(girih_vertex_position(arrays, b));
+    const bool turned = comes_before(q, p);
+    const uint32_t hash = hash_word(0x9e3779b9u, seed);
+    return hash_point(hash_point(hash, turned ? q : p), turned ? p : q);
 }
 
 static uint32_t level_segments(const girih_frame_block *frame, uint32_t level) {

@@ -71,7 +71,7 @@ static uint32_t inner_vertices(const girih_arrays *arrays, uint32_t weld_edge) {
         weld_edge - girih_instance_word(arrays, instance, GIRIH_INSTANCE_WELD_DELTA);
     const uint32_t level =
         girih_word(arrays, GIRIH_BIND_LEVELS,
-                   girih_word(arrays, GIRIH_BIND_WELD_EDGE_EDGES, scene_weld_edge) +
+                   girih_word(arrays, GIRIH_BIND_WELD_EDGES, 2 * (size_t)scene_weld_edge) +
                        girih_instance_word(arrays, instance, GIRIH_INSTANCE_EDGE_DELTA));
     return arrays->frame.linear_spacing != 0 ? level : (1u << level) - 1;
 }

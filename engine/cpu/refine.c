@@ -2,8 +2,13 @@
 #include "girih/cpu.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
+#ifdef _WIN32
+#include <windows.h>
+#else
 #include <time.h>
+#endif
 
 #include "../arrays.h"
 #include "../error.h"
@@ -12,13 +17,27 @@
 // Counts that index lists and signed offsets of other programs can still hold.
 #define MAX_OUTPUT (UINT64_C(1) << 31)
 
+// The surface whose control points bound what is refined.
+static girih_surface base_surface(const girih_cpu_desc *desc) {
+    return desc->surface == GIRIH_SURFACE_OWN ? desc->base : desc->surface;
+}
+
 static girih_result check(const girih_cpu_desc *desc, const girih_frame *frame,
                           girih_error *error) {
     if ((desc->mesh_count > 0 && !desc->meshes) || (desc->instance_count > 0 && !desc->instances)) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
                           "refine: meshes or instances are NULL");
     }
-    if (desc->surface != GIRIH_SURFACE_FLAT && desc->surface != GIRIH_SURFACE_PN) {
+    const girih_surface base = base_surface(desc);
+    if (desc->surface == GIRIH_SURFACE_OWN && !desc->own) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "refine: the own surface is NULL");
+    }
+    if (desc->surface == GIRIH_SURFACE_OWN && base != GIRIH_SURFACE_FLAT &&
+        base != GIRIH_SURFACE_PN) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "refine: unknown base %d of the own surface", (int)base);
+    }
+    if (base != GIRIH_SURFACE_FLAT && base != GIRIH_SURFACE_PN) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "refine: unknown surface %d",
                           (int)desc->surface);
     }
@@ -26,6 +45,10 @@ static girih_result check(const girih_cpu_desc *desc, const girih_frame *frame,
         desc->mode != GIRIH_MODE_WELDED) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "refine: unknown mode %d",
                           (int)desc->mode);
+    }
+    if ((desc->outputs & GIRIH_OUTPUT_PREVIOUS) != 0) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "refine: the previous frame's positions are written on the GPU only");
     }
     if ((desc->outputs & GIRIH_OUTPUT_CLOSED_INDICES) != 0 &&
         (desc->mode != GIRIH_MODE_WELDED || frame->cull_frustum || frame->cull_back)) {
@@ -36,9 +59,16 @@ static girih_result check(const girih_cpu_desc *desc, const girih_frame *frame,
 }
 
 static double milliseconds(void) {
+#ifdef _WIN32 // Windows' older C runtimes have no timespec_get
+    LARGE_INTEGER now, frequency;
+    QueryPerformanceCounter(&now);
+    QueryPerformanceFrequency(&frequency);
+    return (double)now.QuadPart * 1e3 / (double)frequency.QuadPart;
+#else
     struct timespec now;
     timespec_get(&now, TIME_UTC);
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+#endif
 }
 
 // The time since *begin, which becomes now.
@@ -46,6 +76,18 @@ static double lap(double *begin) {
     const double before = *begin;
     *begin = milliseconds();
     return *begin - before;
+}
+
+// What may be culled of an own surface: see girih_surface_program_desc.
+static void limit_culling(girih_frame_block *frame, const girih_cpu_desc *desc) {
+    if (!isfinite(desc->reach) || desc->reach < 0.0f) {
+        frame->cull = 0;
+        return;
+    }
+    frame->reach = desc->reach;
+    if (desc->base != GIRIH_SURFACE_FLAT || desc->reach > 0.0f) {
+        frame->cull &= ~GIRIH_CULL_BACK;
+    }
 }
 
 // Everything up to the counts of the output.
@@ -56,7 +98,7 @@ static girih_result count_output(girih_arrays *arrays, const girih_cpu_desc *des
     girih_result result = girih_pack_catalogue(
         arrays, desc->catalogue ? desc->catalogue : girih_catalogue_dyadic(), error);
     if (result == GIRIH_OK) {
-        result = girih_pack_scene(arrays, &table, desc->meshes, desc->mesh_count, error);
+        result = girih_pack_scene(arrays, &table, desc->meshes, desc->mesh_count, 0, error);
     }
     if (result != GIRIH_OK) {
         return result;
@@ -71,6 +113,9 @@ static girih_result count_output(girih_arrays *arrays, const girih_cpu_desc *des
     girih_free(table.meshes);
     if (result == GIRIH_OK) {
         result = girih_pack_frame(arrays, frame, error);
+    }
+    if (result == GIRIH_OK && desc->surface == GIRIH_SURFACE_OWN) {
+        limit_culling(&arrays->frame, desc);
     }
     // The sort's counters and spare items, and the draws, are the GPU's alone.
     static const uint32_t written[] = {GIRIH_BIND_LEVELS, GIRIH_BIND_KEYS,
@@ -91,7 +136,7 @@ static girih_result count_output(girih_arrays *arrays, const girih_cpu_desc *des
     double begin = milliseconds();
     girih_twin_levels(arrays);
     times->levels = lap(&begin);
-    girih_twin_select(arrays, desc->surface);
+    girih_twin_select(arrays, base_surface(desc));
     times->select = lap(&begin);
     result = girih_twin_group(arrays, error);
     times->group = lap(&begin);
@@ -187,7 +232,11 @@ girih_result girih_cpu_refine(const girih_cpu_desc *desc, const girih_frame *fra
         arrays.words[GIRIH_BIND_OUT_CLOSED_INDICES] = refined.closed_indices;
         arrays.words[GIRIH_BIND_OUT_SOURCES] = refined.sources;
         double begin = milliseconds();
-        girih_twin_evaluate(&arrays, desc->surface);
+        if (desc->surface == GIRIH_SURFACE_OWN) {
+            girih_twin_evaluate_own(&arrays, desc);
+        } else {
+            girih_twin_evaluate(&arrays, desc->surface);
+        }
         girih_twin_output(&arrays, desc->outputs | GIRIH_OUTPUT_INDICES);
         refined.times.evaluate = lap(&begin);
         memcpy(refined.material_first,

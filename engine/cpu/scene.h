@@ -77,7 +77,7 @@ static inline girih_transform girih_instance_normal_transform(const girih_arrays
                             (size_t)instance * GIRIH_INSTANCE_WORDS + GIRIH_INSTANCE_NORMAL;
     girih_transform transform;
     for (int n = 0; n < 3; ++n) {
-        transform.row[n] = girih_read_vector(words + 3 * n);
+        transform.row[n] = girih_read_vector(words + 4 * n);
         transform.offset[n] = 0.0f;
     }
     return transform;

@@ -18,10 +18,12 @@ static bool outside_frustum(const girih_frame_block *frame, const girih_vector *
         high = girih_max_vector(high, p[n]);
     }
     const girih_vector centre = girih_scale(girih_add(low, high), 0.5f);
-    const girih_vector extent = girih_scale(girih_subtract(high, low), 0.5f);
+    const girih_vector reach = {frame->reach, frame->reach, frame->reach};
+    const girih_vector extent = girih_add(girih_scale(girih_subtract(high, low), 0.5f), reach);
     const girih_vector world = girih_transform_point(t, centre);
     // What the terms of a transformed point of the box amount to before they cancel.
-    const girih_vector far = girih_max_vector(girih_absolute(low), girih_absolute(high));
+    const girih_vector far =
+        girih_add(girih_max_vector(girih_absolute(low), girih_absolute(high)), reach);
     const girih_vector size = {girih_dot(girih_absolute(t->row[0]), far) + fabsf(t->offset[0]),
                                girih_dot(girih_absolute(t->row[1]), far) + fabsf(t->offset[1]),
                                girih_dot(girih_absolute(t->row[2]), far) + fabsf(t->offset[2])};
@@ -126,7 +128,7 @@ static bool is_culled(const girih_arrays *arrays, uint32_t scene_triangle, uint3
     }
     const bool mirrored = (girih_instance_word(arrays, instance, GIRIH_INSTANCE_FLAGS) &
                            GIRIH_INSTANCE_MIRRORED) != 0;
-    return (frame->cull & GIRIH_CULL_BACK) != 0 && !two_sided &&
+    return (frame->cull & GIRIH_CULL_BACK) != 0 && !two_sided && frame->reach == 0.0f &&
            faces_away(frame, p, count, &t, mirrored);
 }
 

@@ -5,7 +5,7 @@
 
 #include "vector.h"
 
-#include "girih/context.h"
+#include "girih/surface.h"
 
 // In world space and permuted by lambda. A flat patch has corners and their normals alone.
 typedef struct girih_patch {

@@ -4,11 +4,12 @@
 
 #include "picture.glsl"
 
-layout(set = 1, binding = 0) uniform sampler2D base_color_texture;
+layout(set = 1, binding = 0) uniform sampler2D base_color_map;
+layout(set = 1, binding = 1) uniform sampler2D normal_map;
 
 layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec3 in_normal;
-layout(location = 2) in vec2 in_texcoord;
+layout(location = 2) in vec4 in_texcoord;
 layout(location = 3) in vec4 in_color;
 layout(location = 4) flat in vec3 in_range_color;
 
@@ -78,7 +79,7 @@ vec3 tone_map(vec3 color) {
 
 // The texture over a pixel's footprint: up to sixteen taps along its longer axis, each about as wide as
 // the shorter one. Written out, because lavapipe's own anisotropic filter never ends on some footprints.
-vec4 base_color_at(vec2 place) {
+vec4 texel_at(sampler2D map, vec2 place) {
     const float most = 16.0;
     vec2 along_x = dFdx(place);
     vec2 along_y = dFdy(place);
@@ -89,18 +90,66 @@ vec4 base_color_at(vec2 place) {
     float taps = ratio < most ? max(ceil(ratio), 1.0) : most;
     vec4 sum = vec4(0.0);
     for (float tap = 0.5; tap < taps; tap += 1.0) {
-        sum += textureGrad(base_color_texture, place + longer * (tap / taps - 0.5), longer / taps, shorter);
+        sum += textureGrad(map, place + longer * (tap / taps - 0.5), longer / taps, shorter);
     }
     return sum / taps;
 }
 
+vec2 transformed(vec2 texcoord, vec4 row0, vec4 row1) {
+    return vec2(dot(row0.xyz, vec3(texcoord, 1.0)), dot(row1.xyz, vec3(texcoord, 1.0)));
+}
+
+// The normal with the normal map on it, n being the front side's. The tangent frame comes from the
+// screen derivatives of position and texture coordinates: Mikkelsen 2020, "Surface Gradient-Based
+// Bump Mapping Framework", listing 3. It follows the refined surface, displaced or not, which
+// tangents of the input's vertices do not. Where the coordinates span no area, there is no frame and
+// the normal stays.
+vec3 bumped(vec3 n, vec2 place) {
+    vec3 along_x = dFdx(in_position);
+    vec3 along_y = dFdy(in_position);
+    vec2 place_x = dFdx(place);
+    vec2 place_y = dFdy(place);
+    vec3 texel = texel_at(normal_map, place).xyz * 2.0 - 1.0;
+    along_x -= n * dot(along_x, n);
+    along_y -= n * dot(along_y, n);
+    float area = place_x.x * place_y.y - place_y.x * place_x.y;
+    float turn = area < 0.0 ? -1.0 : 1.0;
+    vec3 tangent = turn * (along_x * place_y.y - along_y * place_x.y);
+    float square = dot(tangent, tangent);
+    if (abs(area) <= 1e-4 * length(place_x) * length(place_y) || !(square > 0.0)) {
+        return n;
+    }
+    tangent *= inversesqrt(square);
+    // Green is up (glTF 2.0, section 3.9.3): against v, which runs down the image.
+    float hand = dot(along_y, cross(n, along_x)) < 0.0 ? 1.0 : -1.0;
+    vec3 bitangent = hand * turn * cross(n, tangent);
+    texel.xy *= material.normal_scale;
+    vec3 sum = tangent * texel.x + bitangent * texel.y + n * texel.z;
+    return dot(sum, sum) > 0.0 ? normalize(sum) : n;
+}
+
+// Towards the viewer on either side. A vertex without a normal has 0: the triangle's own serves.
+vec3 shading_normal() {
+    vec3 n = normalize(cross(dFdx(in_position), -dFdy(in_position)));
+    float side = gl_FrontFacing ? 1.0 : -1.0;
+    if (dot(in_normal, in_normal) > 1e-12) {
+        n = side * normalize(in_normal);
+    }
+    if (HAS_NORMAL_MAP && picture.shade == SHADE_LIT) {
+        // The back is the front's underside: what rises there sinks here.
+        n = side * bumped(side * n, transformed(in_texcoord.zw, material.normal_row0,
+                                                material.normal_row1));
+    }
+    return n;
+}
+
 void main() {
     vec4 base = material.base_color * in_color;
-    if (HAS_TEXCOORD) {
-        vec3 coordinates = vec3(in_texcoord, 1.0);
-        base *= base_color_at(vec2(dot(material.texcoord_row0.xyz, coordinates),
-                                   dot(material.texcoord_row1.xyz, coordinates)));
+    if (HAS_BASE_COLOR_MAP) {
+        base *= texel_at(base_color_map, transformed(in_texcoord.xy, material.base_color_row0,
+                                                     material.base_color_row1));
     }
+    vec3 n = shading_normal(); // its derivatives need all neighbours: before any is discarded
     if (IS_MASK && base.a < material.alpha_cutoff) {
         discard;
     }
@@ -112,11 +161,6 @@ void main() {
     if (picture.back_face.a > 0.0 && !gl_FrontFacing) {
         out_color = vec4(from_srgb(picture.back_face.rgb), 1.0);
         return;
-    }
-    // A vertex without a normal has 0: the triangle's own serves, towards the viewer on either side.
-    vec3 n = normalize(cross(dFdx(in_position), -dFdy(in_position)));
-    if (dot(in_normal, in_normal) > 1e-12) {
-        n = normalize(gl_FrontFacing ? in_normal : -in_normal);
     }
     if (picture.shade == SHADE_NORMALS) {
         out_color = vec4(from_srgb(n * 0.5 + 0.5), alpha);

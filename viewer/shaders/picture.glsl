@@ -16,24 +16,29 @@ layout(std140, set = 0, binding = 0) uniform Picture {
     uint shade;
     uint range_count;
     uint attribute_floats;
-    uint texcoord_float; // instanced: where the texture coordinates begin in a vertex's attributes
-    uint color_float;    // instanced: where the vertex colour begins
+    uint texcoord_float;  // instanced: where the texture coordinates begin in a vertex's attributes
+    uint texcoord_floats; // 2; 4 where a normal map has coordinates of its own, behind the others
+    uint color_float;     // instanced: where the vertex colour begins
 } picture;
 
 layout(push_constant) uniform Material {
     vec4 base_color;
-    vec4 emissive;     // w: not 0 where the material is unlit
-    vec4 texcoord_row0; // rows of KHR_texture_transform: offset * rotation * scale
-    vec4 texcoord_row1;
+    vec4 emissive;        // w: not 0 where the material is unlit
+    vec4 base_color_row0; // rows of KHR_texture_transform: offset * rotation * scale
+    vec4 base_color_row1;
+    vec4 normal_row0;
+    vec4 normal_row1;
+    float normal_scale;
     float metallic;
     float roughness;
     float alpha_cutoff;
 } material;
 
-layout(constant_id = 0) const bool HAS_TEXCOORD = false;
+layout(constant_id = 0) const bool HAS_BASE_COLOR_MAP = false;
 layout(constant_id = 1) const bool HAS_COLOR = false;
 layout(constant_id = 2) const bool IS_MASK = false;  // alpha mode MASK
 layout(constant_id = 3) const bool IS_BLEND = false; // alpha mode BLEND
 layout(constant_id = 4) const bool IS_LINE = false;  // the wireframe over the picture
+layout(constant_id = 5) const bool HAS_NORMAL_MAP = false;
 
 #endif

@@ -2,6 +2,7 @@
 //
 // A catalogue is a block of bytes that is used where it lies: every table is found by an offset in
 // the header, nothing is parsed or copied. doc/catalogue.md describes the format.
+// Stability: stable
 #ifndef GIRIH_CATALOGUE_H
 #define GIRIH_CATALOGUE_H
 

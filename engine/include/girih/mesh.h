@@ -1,4 +1,5 @@
 // Mesh preparation: topology that is worked out once, on the CPU, and never changes afterwards.
+// Stability: stable
 #ifndef GIRIH_MESH_H
 #define GIRIH_MESH_H
 
@@ -48,6 +49,8 @@ typedef struct girih_mesh_desc {
     girih_missing_normals missing_normals;
     float crease_degrees; // smooth normals: edges with a larger angle between the face normals are
                           // hard
+    int dynamic; // not 0: positions and normals will be moved on the GPU (girih_scene_vertices), so
+                 // every edge whose sides have other vertices is a seam, whatever their normals are
 } girih_mesh_desc;
 
 // A prepared mesh: read-only, may be shared by any number of threads.
@@ -68,7 +71,9 @@ typedef struct girih_mesh_desc {
 // - Where the triangles at an edge carry other normals at its ends (by bits), or where three or
 //   more triangles meet, the edge is a seam: its curve is the mean of the two sides' (PN-AEN;
 //   McDonald, Kilgard 2010). For an edge of two triangles the sides are those two, in triangle
-//   order; for three or more triangles both sides are the lowest-numbered triangle's. Seams come
+//   order; for three or more triangles both sides are the lowest-numbered triangle's. On a dynamic
+//   mesh edges whose sides have other vertices are seams too (where the normals are equal, the mean
+//   of both sides' is the same to the bit). Seams come
 //   first: edge e is a seam if and only if e < seam_count. Otherwise edges are numbered in the
 //   order of first use.
 // - A weld edge is an edge by its two vertex indices within one submesh: two triangles share the
@@ -103,6 +108,11 @@ typedef struct girih_mesh {
     const uint32_t *weld_edge_edge; // [weld_edge_count] its edge
     const uint32_t *edge_weld_edge; // [edge_count] its lowest weld edge, which stands for all
     const uint8_t *edge_uses;       // [edge_count] triangles at the edge, 255 for more
+    // Who evaluates an own surface at a shared place, so that both sides get the same bits: the
+    // lowest triangle there, as 3 * triangle + 0..2. A point's owner is that of its vertex_point.
+    const uint32_t *edge_owner;      // [edge_count] its edge there
+    const uint32_t *weld_edge_owner; // [weld_edge_count] its edge there
+    const uint32_t *vertex_owner;    // [vertex_count] its corner there, by the vertex's index
     const girih_submesh *submeshes; // [submesh_count] ranges of triangle_vertices after dropping
 
     float bounds_min[3], bounds_max[3]; // of the positions; 0 for an empty mesh
@@ -113,6 +123,7 @@ typedef struct girih_mesh {
     uint32_t nonmanifold_edges; // three or more triangles
     uint32_t flipped_edges;     // two triangles that run along it the same way
     int made_normals;           // the normals were made here
+    int dynamic;                // as prepared
 } girih_mesh;
 
 // Prepares a mesh. On success *mesh is the caller's, to be destroyed with girih_mesh_destroy. A

@@ -1,4 +1,5 @@
 // Scene, frame and plan: what is refined, how finely, and into which buffers.
+// Stability: stable, but for own surfaces and previous positions (experimental)
 #ifndef GIRIH_PLAN_H
 #define GIRIH_PLAN_H
 
@@ -6,6 +7,7 @@
 
 #include "girih/context.h"
 #include "girih/mesh.h"
+#include "girih/surface.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,19 +17,65 @@ extern "C" {
 
 typedef struct girih_scene girih_scene;
 
-// Packs meshes into one arena for a context's device. The meshes must have equal attribute_floats
-// and are read during the call only. On success *scene is the caller's; record
+// The buffers of a scene, in the order of girih_scene_needs.
+typedef enum girih_scene_buffer {
+    GIRIH_SCENE_ARENA = 0,
+    GIRIH_SCENE_STAGING = 1, // only until the recorded girih_cmd_upload_scene has been executed
+} girih_scene_buffer;
+#define GIRIH_SCENE_BUFFERS 2
+
+typedef struct girih_scene_desc {
+    const girih_mesh *const *meshes; // of equal attribute_floats; read during the call only
+    uint32_t mesh_count;
+    int dynamic;  // not 0: the host moves the vertices on the GPU (girih_scene_vertices); the meshes
+                  // must have been prepared as dynamic
+    int previous; // not 0, dynamic scenes: the previous frame's vertices are kept beside the current
+                  // ones (girih_cmd_keep_vertices)
+    VkBufferUsageFlags usage; // usage flags the host wants beside girih's own on the arena
+    const girih_buffer_range *buffers; // [GIRIH_SCENE_BUFFERS]; NULL: girih makes all. They must
+                                       // outlive the scene and stay the host's
+} girih_scene_desc;
+
+// The buffers a scene of this description wants, for a host that brings them. Thread-safe.
+GIRIH_API girih_result girih_scene_needs(const girih_context *context, const girih_scene_desc *desc,
+                                         girih_buffer_need needs[GIRIH_SCENE_BUFFERS],
+                                         girih_error *error);
+
+// Packs meshes into one arena for a context's device. On success *scene is the caller's; record
 // girih_cmd_upload_scene once before the first use. Thread-safe.
 GIRIH_API girih_result girih_scene_create(const girih_context *context,
-                                          const girih_mesh *const *meshes, uint32_t mesh_count,
-                                          girih_scene **scene, girih_error *error);
+                                          const girih_scene_desc *desc, girih_scene **scene,
+                                          girih_error *error);
 
 // Records the upload of a scene: begins with no access, ends with transfer writes made available
 // and visible to compute and vertex shader reads. Externally synchronised on the scene.
 GIRIH_API void girih_cmd_upload_scene(girih_scene *scene, VkCommandBuffer commands);
 
-// Frees the upload's host copy once the recorded upload has been executed. Optional.
+// Frees the upload's staging buffer, if it is girih's, once the recorded upload has been executed.
+// Optional. Externally synchronised on the scene.
 GIRIH_API void girih_scene_trim(girih_scene *scene);
+
+// Where a dynamic scene keeps the vertices of mesh number `mesh`: 6 floats each, position and unit
+// normal, in the order of girih_mesh.positions (girih_mesh.vertex_source names the input vertex of
+// each). The host's commands may write them between two girih_cmd_refine of the scene's plans:
+//  - before the host's writes nothing is needed: girih_cmd_refine ends with a barrier that orders
+//    later compute and transfer after its own reads; an instanced draw of an own surface reads them
+//    in the vertex shader, so after such a draw order vertex shader before the writes;
+//  - after them nothing is needed where they are compute shader or transfer writes on the same
+//    queue: girih_cmd_refine begins by waiting for those. Other writes the host makes available and
+//    visible to compute (and vertex shader) reads.
+// Only positions of vertices that stand for their point count (vertex_point[v] == v): duplicates are
+// read through them, so rounding can move nothing apart. Every normal counts. Coordinates must stay
+// finite and within GIRIH_MAX_COORDINATE. Topology, seams and welds stay as prepared.
+GIRIH_API girih_result girih_scene_vertices(const girih_scene *scene, uint32_t mesh,
+                                            girih_buffer_range *range, VkDeviceSize *size,
+                                            girih_error *error);
+
+// Records, before the host moves the vertices for a new frame, the copy of the current vertices to
+// the previous frame's: begins by waiting for compute and vertex shader reads and compute and
+// transfer writes of the vertices, ends with transfer writes available and visible to compute,
+// vertex shader and transfer, reads and writes. Scenes made with `previous` only; else does nothing.
+GIRIH_API void girih_cmd_keep_vertices(const girih_scene *scene, VkCommandBuffer commands);
 
 // Takes NULL. No submitted command buffer and no plan may still use the scene.
 GIRIH_API void girih_scene_destroy(girih_scene *scene);
@@ -58,13 +106,20 @@ typedef struct girih_frame {
     int cull_frustum;   // against planes
     int cull_back;      // triangles facing away whose material is not two-sided
     float planes[6][4]; // world: inside where n·p + d >= 0, any length
+    // Own surfaces: the descriptor set of the surface's textures and buffers, as its program's
+    // set_layout says. VK_NULL_HANDLE: none.
+    VkDescriptorSet surface_set;
+    // A number of the host's that changes whenever something that girih cannot see has changed: the
+    // vertices of a dynamic scene, or what an own surface reads. See girih_cmd_refine.
+    uint64_t revision;
 } girih_frame;
 
 // --- Plan: one frame in flight ------------------------------------------------------------------
 
 typedef struct girih_instance {
     uint32_t mesh;       // index into the scene's meshes
-    float transform[12]; // rows of mesh to world, 3x4: world = (t[0..2]·p + t[3], ...)
+    float transform[12]; // rows of mesh to world, 3x4: world = (t[0..2]·p + t[3], ...), this frame's
+                         // and the previous frame's
 } girih_instance;
 
 typedef enum girih_mode {
@@ -82,22 +137,48 @@ typedef enum girih_output_bits {
     GIRIH_OUTPUT_SOURCES =
         4, // baked, welded: per output triangle: instance, and triangle of its girih_mesh
     GIRIH_OUTPUT_NO_DRAW = 8, // no draw arguments are wanted
+    GIRIH_OUTPUT_PREVIOUS = 16, // own surfaces, baked, welded: each vertex's position in the previous
+                                // frame, 3 floats after its attributes
+    GIRIH_OUTPUT_PADDED = 32, // indices and closed indices beyond the output's are degenerate
+                              // triangles (0, 0, 0), so that a count known beforehand may be built
+                              // or drawn: max_triangles
 } girih_output_bits;
+
+// The buffers of a plan, in the order of girih_plan_needs.
+typedef enum girih_plan_buffer {
+    GIRIH_PLAN_WORK = 0,
+    GIRIH_PLAN_STAGING = 1,
+    GIRIH_PLAN_STATUS = 2,
+    GIRIH_PLAN_POSITIONS = 3,
+    GIRIH_PLAN_ATTRIBUTES = 4,
+    GIRIH_PLAN_INDICES = 5,
+    GIRIH_PLAN_CLOSED_INDICES = 6,
+    GIRIH_PLAN_SOURCES = 7,
+} girih_plan_buffer;
+#define GIRIH_PLAN_BUFFERS 8
 
 typedef struct girih_plan_desc {
     const girih_scene *scene;        // must outlive the plan
     const girih_instance *instances; // read during the call
     uint32_t instance_count;
-    girih_surface surface; // one of those the context was made with
+    girih_surface surface;
+    const girih_surface_program *program; // GIRIH_SURFACE_OWN: must outlive the plan
     girih_mode mode;
     uint32_t outputs;       // girih_output_bits
     uint32_t max_vertices;  // room for output vertices (baked, welded); 0: room for level 0 only
     uint32_t max_triangles; // room for output triangles; 0: room for level 0 only
     VkBufferUsageFlags vertex_usage; // usage flags the host wants beside girih's own on the
     VkBufferUsageFlags index_usage;  // position and attribute buffers, and on the index buffers
+    const girih_buffer_range *buffers; // [GIRIH_PLAN_BUFFERS]; NULL: girih makes all. They must
+                                       // outlive the plan and stay the host's
 } girih_plan_desc;
 
 typedef struct girih_plan girih_plan;
+
+// The buffers a plan of this description wants, for a host that brings them. Thread-safe.
+GIRIH_API girih_result girih_plan_needs(const girih_context *context, const girih_plan_desc *desc,
+                                        girih_buffer_need needs[GIRIH_PLAN_BUFFERS],
+                                        girih_error *error);
 
 // Creates a plan with its buffers. Room below the level-0 output is raised to it. On success *plan
 // is the caller's. Thread-safe.
@@ -107,11 +188,13 @@ GIRIH_API girih_result girih_plan_create(const girih_context *context, const gir
 // Takes NULL. No submitted command buffer may still use the plan.
 GIRIH_API void girih_plan_destroy(girih_plan *plan);
 
-// Moves an instance; taken up by the next girih_cmd_refine. Elements that are not finite or beyond
-// 1e15 are refused with GIRIH_ERROR_INVALID_DATA. Externally synchronised on the plan, and not
-// while a submitted girih_cmd_refine of this plan has not finished.
+// Moves an instance; taken up by the next girih_cmd_refine. `previous` is where it was in the previous
+// frame, for motion vectors; NULL: where it is. Elements that are not finite or beyond
+// GIRIH_MAX_COORDINATE are refused with GIRIH_ERROR_INVALID_DATA. Externally synchronised on the
+// plan, and not while a submitted girih_cmd_refine of this plan has not finished.
 GIRIH_API girih_result girih_plan_set_transform(girih_plan *plan, uint32_t instance,
-                                                const float transform[12]);
+                                                const float transform[12], const float *previous,
+                                                girih_error *error);
 
 // Timestamps that girih_cmd_refine writes, GIRIH_TIMESTAMPS of them from `first` on: at its begin,
 // then at the end of levels, select, group, dispatch, evaluate and output. The host resets the
@@ -128,14 +211,25 @@ typedef struct girih_timestamps {
 // available and visible to indirect command, index, vertex attribute, vertex shader, compute and
 // transfer reads and to the host (statistics). `frame` is read during the call. Externally
 // synchronised on the plan; plans of one scene may be recorded by several threads at once.
+//
+// Unchanged input is not redone: where frame (its revision and surface_set included) and transforms
+// are those of the plan's last recorded girih_cmd_refine, nothing but the timestamps is recorded, and
+// the buffers keep what that one wrote. So a recorded girih_cmd_refine must be submitted, before
+// later ones and on the same queue; one that was thrown away is made good by girih_plan_invalidate.
 GIRIH_API girih_result girih_cmd_refine(girih_plan *plan, VkCommandBuffer commands,
                                         const girih_frame *frame,
                                         const girih_timestamps *timestamps, girih_error *error);
 
+// Has the next girih_cmd_refine record everything, whatever has changed. Externally synchronised on
+// the plan.
+GIRIH_API void girih_plan_invalidate(girih_plan *plan);
+
 // Records the draw of one material inside the host's render pass, with the host's pipeline bound:
 // binds vertex and index buffers (bindings 0 and up, girih_plan_vertex_input) and draws indirectly.
 // Instanced: also binds the descriptor set of girih.glsl as set `set` of `layout` where the scene
-// has attributes. Externally synchronised on the plan.
+// has attributes or the surface is an own one; no push constants are touched. Begins and ends with
+// indirect command, index, vertex attribute and vertex shader reads of what girih_cmd_refine wrote.
+// May be recorded by several threads at once.
 GIRIH_API void girih_cmd_draw(const girih_plan *plan, VkCommandBuffer commands, uint32_t material,
                               VkPipelineLayout layout, uint32_t set);
 
@@ -159,15 +253,16 @@ typedef struct girih_statistics {
 } girih_statistics;
 GIRIH_API girih_statistics girih_plan_statistics(const girih_plan *plan);
 
-// The buffers a plan writes. Vertex n of the output is 3 floats at positions[12 n], and its normal
-// and attributes are 3 + attribute_floats floats at attributes[4 (3 + attribute_floats) n]. Buffers
-// that the mode or outputs do not ask for are VK_NULL_HANDLE.
+// The buffers a plan writes. Vertex n of the output is 3 floats at positions + 12 n, and its normal
+// and attributes (and previous position) are floats at attributes + attribute_stride n. Buffers that
+// the mode or outputs do not ask for are VK_NULL_HANDLE.
 typedef struct girih_plan_buffers {
-    VkBuffer positions;
-    VkBuffer attributes;
-    VkBuffer indices;        // 3 x uint32 a triangle
-    VkBuffer closed_indices; // 3 x uint32 a triangle
-    VkBuffer sources;        // 2 x uint32 a triangle
+    girih_buffer_range positions;
+    girih_buffer_range attributes;
+    girih_buffer_range indices;        // 3 x uint32 a triangle
+    girih_buffer_range closed_indices; // 3 x uint32 a triangle
+    girih_buffer_range sources;        // 2 x uint32 a triangle: instance, triangle of its girih_mesh
+    uint32_t attribute_stride;         // bytes
     uint32_t max_vertices, max_triangles;
 } girih_plan_buffers;
 GIRIH_API girih_plan_buffers girih_plan_get_buffers(const girih_plan *plan);

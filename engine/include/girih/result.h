@@ -1,4 +1,5 @@
 // Results and error texts: how every fallible girih function reports.
+// Stability: stable
 #ifndef GIRIH_RESULT_H
 #define GIRIH_RESULT_H
 
@@ -6,7 +7,13 @@
 extern "C" {
 #endif
 
-#if defined(__GNUC__)
+// Programs need no define, on Windows neither. There, GIRIH_USE_DLL saves calls into the DLL a jump
+// and must not be set for the static library; GIRIH_BUILD_DLL is for the build of the DLL itself.
+#if defined(_WIN32) && defined(GIRIH_BUILD_DLL)
+#define GIRIH_API __declspec(dllexport)
+#elif defined(_WIN32) && defined(GIRIH_USE_DLL)
+#define GIRIH_API __declspec(dllimport)
+#elif defined(__GNUC__) && !defined(_WIN32)
 #define GIRIH_API __attribute__((visibility("default")))
 #else
 #define GIRIH_API

@@ -1,0 +1,188 @@
+// A host's own surface: one function that maps a patch and barycentrics to a point in the world.
+//
+//     vec3 girih_surface(GirihPatch patch_, vec3 barycentric);
+//
+// Watertight whatever it does: a vertex on an edge is evaluated in the one triangle that owns the edge,
+// a vertex at a corner in the one that owns the point, whichever triangle asks. Both sides of an edge run
+// the same code on the same arguments and get the same bits.
+#ifndef GIRIH_OWN_GLSL
+#define GIRIH_OWN_GLSL
+
+#include "girih_permutation.h"
+#include "gather.glsl"
+
+vec3 girih_surface(GirihPatch patch_, vec3 barycentric);
+
+// --- What girih_surface may call ----------------------------------------------------------------------
+
+// A point of the base surface (GIRIH_BASE), in the world.
+vec3 girih_base_position(GirihPatch patch_, vec3 barycentric) {
+    return girih_patch_position(patch_, barycentric.x, barycentric.y, barycentric.z);
+}
+
+// Its normal, of unit length.
+vec3 girih_base_normal(GirihPatch patch_, vec3 barycentric) {
+    return girih_patch_unit_normal(patch_, barycentric.x, barycentric.y, barycentric.z);
+}
+
+// Float n of the vertices' attributes.
+float girih_attribute(GirihPatch patch_, uint n, vec3 barycentric) {
+    uint floats = frame.attribute_floats;
+    return girih_patch_attribute(uintBitsToFloat(ATTRIBUTES(patch_.vertices[0] * floats + n)),
+                                 uintBitsToFloat(ATTRIBUTES(patch_.vertices[1] * floats + n)),
+                                 uintBitsToFloat(ATTRIBUTES(patch_.vertices[2] * floats + n)), barycentric.x,
+                                 barycentric.y, barycentric.z);
+}
+
+// --- The normal ---------------------------------------------------------------------------------------
+
+#ifdef GIRIH_SURFACE_NORMAL
+
+// The host's own.
+vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric);
+
+#else
+
+// How far the points are that the normal is taken from, as a share of the way to each corner.
+#ifndef GIRIH_NORMAL_STEP
+#define GIRIH_NORMAL_STEP (1.0 / 256.0)
+#endif
+
+// The base normal, turned as the surface turns against the base: the base's tangents are taken
+// perpendicular to its normal, which need not be that of its own facets, and what the surface adds to
+// the base is differentiated between three points around the place, which never leave the triangle.
+vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric) {
+    vec3 normal = girih_base_normal(patch_, barycentric);
+    vec3 base[3];
+    vec3 added[3];
+    for (int n = 0; n < 3; ++n) {
+        vec3 near = barycentric * (1.0 - GIRIH_NORMAL_STEP);
+        near[n] += GIRIH_NORMAL_STEP;
+        base[n] = girih_base_position(patch_, near);
+        added[n] = girih_surface(patch_, near) - base[n];
+    }
+    vec3 along2 = base[1] - base[0];
+    vec3 along3 = base[2] - base[0];
+    along2 += (added[1] - added[0]) - normal * girih_dot(along2, normal);
+    along3 += (added[2] - added[0]) - normal * girih_dot(along3, normal);
+    vec3 turned = girih_normalize(girih_cross(along2, along3));
+    // Nothing can be told where the base has no extent.
+    return girih_dot(turned, turned) > 0.5 ? (patch_.mirrored ? -turned : turned) : normal;
+}
+
+#endif
+
+// --- Places: who evaluates a pattern vertex -----------------------------------------------------------
+
+// A place in a triangle of the scene: the weights of its corners in the order of the input, over 32768.
+struct GirihPlace {
+    uint triangle;
+    uvec3 weights;
+};
+
+// Where a pattern vertex's position and normal are evaluated. Across a hard edge the normals part; all
+// who share an output vertex (the weld edge, the vertex) still share the place.
+struct GirihPlaces {
+    GirihPlace position;
+    GirihPlace normal;
+    bool smooth_; // the normal's place is the position's
+};
+
+bool girih_same_normal(uint a, uint b) {
+    return a == b || girih_vertex_normal(a) == girih_vertex_normal(b);
+}
+
+GirihPlace girih_corner_place(uint owner) {
+    GirihPlace place = GirihPlace(owner / 3u, uvec3(0u));
+    place.weights[owner % 3u] = 32768u;
+    return place;
+}
+
+// Edge n of a triangle runs from corner n to corner n + 1.
+uint girih_edge_end(uint edge) {
+    return edge % 3u == 2u ? edge - 2u : edge + 1u;
+}
+
+// `first` and `second` weigh the ends of an edge in canonical order.
+GirihPlace girih_edge_place(uint owner, uint first, uint second) {
+    bool reversed = (TRIANGLE_EDGES(owner) & GIRIH_EDGE_REVERSED) != 0u;
+    GirihPlace place = GirihPlace(owner / 3u, uvec3(0u));
+    place.weights[owner % 3u] = reversed ? second : first;
+    place.weights[girih_edge_end(owner) % 3u] = reversed ? first : second;
+    return place;
+}
+
+// `weights` of the corners of `triangle` in the order of the input.
+GirihPlaces girih_find_places(uint triangle, uvec3 weights) {
+    GirihPlace inside = GirihPlace(triangle, weights);
+    GirihPlaces places = GirihPlaces(inside, inside, true);
+    uint zeros = uint(weights.x == 0u) + uint(weights.y == 0u) + uint(weights.z == 0u);
+    if (zeros == 2u) {
+        uint corner = weights.x != 0u ? 0u : weights.y != 0u ? 1u : 2u;
+        uint vertex = TRIANGLE_VERTICES(3u * triangle + corner);
+        uint owner = VERTEX_OWNERS(WELD_POINTS(vertex));
+        places.position = girih_corner_place(owner);
+        places.normal = places.position;
+        places.smooth_ = girih_same_normal(vertex, TRIANGLE_VERTICES(owner));
+        if (!places.smooth_) {
+            places.normal = girih_corner_place(VERTEX_OWNERS(vertex));
+        }
+    } else if (zeros == 1u) {
+        uint edge = 3u * triangle + (weights.z == 0u ? 0u : weights.x == 0u ? 1u : 2u);
+        uint end = girih_edge_end(edge);
+        uint word = TRIANGLE_EDGES(edge);
+        bool reversed = (word & GIRIH_EDGE_REVERSED) != 0u;
+        uint first = weights[(reversed ? end : edge) % 3u];
+        uint second = 32768u - first;
+        uint owner = EDGE_OWNERS(word & GIRIH_EDGE_MASK);
+        places.position = girih_edge_place(owner, first, second);
+        places.normal = places.position;
+        uint near = TRIANGLE_VERTICES(owner);
+        uint far = TRIANGLE_VERTICES(girih_edge_end(owner));
+        bool same_way = ((word ^ TRIANGLE_EDGES(owner)) & GIRIH_EDGE_REVERSED) == 0u;
+        places.smooth_ = girih_same_normal(TRIANGLE_VERTICES(edge), same_way ? near : far) &&
+                         girih_same_normal(TRIANGLE_VERTICES(end), same_way ? far : near);
+        if (!places.smooth_) {
+            places.normal = girih_edge_place(WELD_EDGE_OWNERS(TRIANGLE_WELD_EDGES(edge) & GIRIH_WELD_MASK), first, second);
+        }
+    }
+    return places;
+}
+
+// From the base pattern's corners to the input's.
+uvec3 girih_input_weights(uint lambda, uvec3 weights) {
+    uint corners = GIRIH_LAMBDA_CORNERS(lambda);
+    uvec3 result = uvec3(0u);
+    for (uint n = 0u; n < 3u; ++n) {
+        result[corners >> (2u * n) & 3u] = weights[n];
+    }
+    return result;
+}
+
+GirihPatch girih_own_patch(uint triangle, uint instance, bool previous) {
+    uint vertices[3];
+    uint edges[3];
+    for (uint n = 0u; n < 3u; ++n) {
+        vertices[n] = TRIANGLE_VERTICES(3u * triangle + n);
+        edges[n] = TRIANGLE_EDGES(3u * triangle + n);
+    }
+    GirihPatch patch_ = girih_gather_patch(instance, vertices, edges, previous);
+    patch_.vertices = vertices;
+    patch_.triangle = triangle;
+    patch_.instance = instance;
+    patch_.material = TRIANGLE_MATERIALS(triangle) & GIRIH_MATERIAL_MASK;
+    patch_.scale = uintBitsToFloat(girih_instance(instance, GIRIH_INSTANCE_SCALE));
+    patch_.mirrored = girih_instance_mirrored(instance);
+    patch_.previous = previous;
+    return patch_;
+}
+
+vec3 girih_own_position(GirihPatch patch_, vec3 barycentric) {
+    return girih_no_negative_zero(girih_surface(patch_, barycentric));
+}
+
+vec3 girih_own_normal(GirihPatch patch_, vec3 barycentric) {
+    return girih_no_negative_zero(girih_surface_normal(patch_, barycentric));
+}
+
+#endif
