@@ -76,10 +76,10 @@ typedef struct girih_plan_shape {
 } girih_plan_shape;
 
 // Fills INSTANCES and BLOCKS and all of the frame's fields that neither the catalogue, the scene
-// nor girih_pack_frame fill (but for reach, variant,
-// first_index and first_list_index, which are the caller's), and sets count (leaving words NULL) of the plan's other arrays:
-// LEVELS, KEYS, ITEMS, ITEMS_SPARE, COUNTERS, GROUPS, STATUS, DRAWS, WELD_OFFSETS. Reads
-// frame.range_count, pattern_count, material_count, attribute_floats. Counts beyond 2^30 triangles or edges, or 2^28
+// nor girih_pack_frame fill (but for reach, variant, first_index and first_list_index, which are
+// the caller's), and sets count (leaving words NULL) of the plan's other arrays: LEVELS, KEYS,
+// ITEMS, ITEMS_SPARE, COUNTERS, GROUPS, STATUS, DRAWS, WELD_OFFSETS. Reads frame.range_count,
+// pattern_count, material_count, attribute_floats. Counts beyond 2^30 triangles or edges, or 2^28
 // groups, are refused with GIRIH_ERROR_TOO_LARGE. Raises shape->max_vertices and max_triangles to
 // the level-0 output (triangles: the instances' triangles; baked vertices: 3 a triangle; welded:
 // the corners).

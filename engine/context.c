@@ -315,7 +315,9 @@ girih_result girih_context_create(const girih_context_desc *desc, girih_context 
     *context = (girih_context){.physical_device = desc->physical_device,
                                .device = desc->device,
                                .callbacks = desc->allocation_callbacks,
-                               .pipeline_cache = desc->pipeline_cache};
+                               .pipeline_cache = desc->pipeline_cache,
+                               .compute_only = desc->queue_flags &&
+                                               !(desc->queue_flags & VK_QUEUE_GRAPHICS_BIT)};
     if (desc->enabled_features) {
         context->features = *desc->enabled_features;
     }

@@ -49,6 +49,7 @@ struct girih_context {
     VkPhysicalDeviceMemoryProperties memory;
     bool serial_sort;
     bool few_buffers;
+    bool compute_only; // the queue knows no graphics stage
 
     girih_arrays catalogue; // the catalogue's arrays and its part of the frame block
     girih_buffer patterns;  // PATTERNS and PATTERN_VERTICES
@@ -69,7 +70,7 @@ struct girih_context {
 // A host's surface.
 struct girih_surface_program {
     const girih_context *context;
-    uint32_t *words; // SPIR-V of the module that the context takes, placed; NULL: none
+    uint32_t *words; // SPIR-V of the module that the context takes; NULL: none
     size_t bytes;
     VkPipelineLayout pipeline_layout; // the context's, with the surface's own set after it
     girih_surface base;

@@ -23,8 +23,7 @@ static girih_result check_totals(const totals *sums, uint32_t attribute_floats,
                           " weld edges; at most %" PRIu64 " of each can be numbered",
                           sums->triangles, sums->edges, sums->weld_edges, GIRIH_MAX_COUNT);
     }
-    const uint64_t words =
-        attribute_floats > vertex_words ? attribute_floats : vertex_words;
+    const uint64_t words = attribute_floats > vertex_words ? attribute_floats : vertex_words;
     if (sums->vertices > UINT32_MAX / words) {
         return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
                           "scene: %" PRIu64 " vertices of %" PRIu64

@@ -39,6 +39,7 @@ static uint32_t variant_mask(uint32_t shader) {
                GIRIH_VARIANT_WELDED | GIRIH_VARIANT_DYNAMIC;
     case GIRIH_SHADER_output_lists:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_WELDED;
+    case GIRIH_SHADER_evaluate_items:
     case GIRIH_SHADER_output_weld_blocks:
     case GIRIH_SHADER_output_weld_offsets:
         return GIRIH_VARIANT_INSTANCES;

@@ -8,6 +8,14 @@
 void girih_barrier(const girih_context *context, VkCommandBuffer commands,
                    VkPipelineStageFlags from_stage, VkAccessFlags from_access,
                    VkPipelineStageFlags to_stage, VkAccessFlags to_access) {
+    if (context->compute_only) {
+        const VkPipelineStageFlags stages = ~(VkPipelineStageFlags)(
+            VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT);
+        from_stage &= stages;
+        to_stage &= stages;
+        to_access &=
+            ~(VkAccessFlags)(VK_ACCESS_INDEX_READ_BIT | VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT);
+    }
     const VkMemoryBarrier barrier = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                      .srcAccessMask = from_access,
                                      .dstAccessMask = to_access};

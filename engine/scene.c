@@ -116,6 +116,9 @@ girih_result girih_scene_create(const girih_context *context, const girih_scene_
 }
 
 void girih_cmd_upload_scene(girih_scene *scene, VkCommandBuffer commands) {
+    if (!scene->staging.buffer) {
+        return; // trimmed: it has been uploaded
+    }
     const VkBufferCopy all = {.srcOffset = scene->staging.offset,
                               .dstOffset = scene->buffer.offset,
                               .size = scene->buffer.size};

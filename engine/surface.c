@@ -1,4 +1,4 @@
-// The host's surfaces: their module placed among the host's sets, and its pipelines.
+// The host's surfaces: their modules and pipelines.
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -11,8 +11,8 @@
     (GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES |                    \
      GIRIH_VARIANT_WELDED | GIRIH_VARIANT_DYNAMIC | GIRIH_VARIANT_PREVIOUS)
 
-// Copies the module that the context takes and places it. A surface without modules is drawn in the
-// instanced mode alone.
+// Copies the module that the context takes. A surface without modules is drawn in the instanced mode
+// alone.
 static girih_result take_module(girih_surface_program *program,
                                 const girih_surface_program_desc *desc, girih_error *error) {
     const girih_context *context = program->context;
@@ -34,8 +34,8 @@ static girih_result take_module(girih_surface_program *program,
     }
     memcpy(program->words, words, bytes);
     program->bytes = bytes;
-    if (!girih_spirv_place(program->words, bytes, context->placement.set,
-                           context->placement.push_offset)) {
+    // Compiled for the host's sets already (GIRIH_SET), so it moves nowhere: only whether it is SPIR-V.
+    if (!girih_spirv_place(program->words, bytes, 0, 0)) {
         return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
                           "surface: the %llu bytes of %s are no SPIR-V module; compile the surface "
                           "for Vulkan 1.1",

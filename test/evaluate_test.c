@@ -393,8 +393,8 @@ static void patches_agree_with_baked_corners(void **state) {
     girih_mesh_destroy(mesh);
 }
 
-// On a dynamic mesh every edge between vertices of different numbers is a seam. Where the normals are
-// equal, the mean of both sides' curves is either's: the output is the same to the bit.
+// On a dynamic mesh every edge between vertices of different numbers is a seam. Where the normals
+// are equal, the mean of both sides' curves is either's: the output is the same to the bit.
 static void dynamic_seams_change_nothing(void **state) {
     (void)state;
     for (int n = 0; n < CLOSED_MESHES; ++n) {
@@ -405,10 +405,8 @@ static void dynamic_seams_change_nothing(void **state) {
         assert_int_equal(fixed->seam_count, mesh->seam_count);
         assert_int_equal(fixed->dynamic, 0);
         assert_int_equal(dynamic->dynamic, 1);
-        stages a =
-            stages_begin(girih_catalogue_linear(), &fixed, 1, three_instances, 3, baked);
-        stages b =
-            stages_begin(girih_catalogue_linear(), &dynamic, 1, three_instances, 3, baked);
+        stages a = stages_begin(girih_catalogue_linear(), &fixed, 1, three_instances, 3, baked);
+        stages b = stages_begin(girih_catalogue_linear(), &dynamic, 1, three_instances, 3, baked);
         for (uint32_t seed = 0; seed < 10; ++seed) {
             const girih_frame frame = {.rule = GIRIH_LEVEL_RANDOM, .segments = 9, .seed = seed};
             stages_refine(&a, &frame, GIRIH_SURFACE_PN);

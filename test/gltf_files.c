@@ -1,4 +1,3 @@
-#define _XOPEN_SOURCE 700
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,13 +7,9 @@
 
 #include "gltf_files.h"
 
-#include <dirent.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-static char folder[256];
 char gltf_message[512];
 char gltf_warnings[4096];
 
@@ -25,57 +20,9 @@ static void collect(void *user, const char *line) {
     snprintf(gltf_warnings + used, sizeof gltf_warnings - used, "%s\n", line);
 }
 
-int gltf_make_folder(void **state) {
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(folder, sizeof folder, "%s/girih-gltf-XXXXXX", base != NULL ? base : P_tmpdir);
-    return mkdtemp(folder) == NULL;
-}
-
-int gltf_remove_folder(void **state) {
-    (void)state;
-    DIR *directory = opendir(folder);
-    for (struct dirent *entry; directory != NULL && (entry = readdir(directory)) != NULL;) {
-        char path[600];
-        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
-        unlink(path);
-    }
-    if (directory != NULL) {
-        closedir(directory);
-    }
-    return rmdir(folder);
-}
-
-const char *gltf_path(const char *name) {
-    static char path[600];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
-void gltf_write_file(const char *name, const void *data, size_t size) {
-    FILE *file = fopen(gltf_path(name), "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
-
-unsigned char *gltf_read_file(const char *path, size_t *size) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    assert_int_equal(fseek(file, 0, SEEK_END), 0);
-    *size = (size_t)ftell(file);
-    rewind(file);
-    unsigned char *data = malloc(*size + 1);
-    assert_non_null(data);
-    assert_int_equal(fread(data, 1, *size, file), *size);
-    data[*size] = 0;
-    fclose(file);
-    return data;
-}
-
 girih_gltf_model *gltf_load(const char *name) {
     gltf_warnings[0] = gltf_message[0] = '\0';
-    return girih_gltf_load(gltf_path(name), collect, NULL, gltf_message, sizeof gltf_message);
+    return girih_gltf_load(folder_path(name), collect, NULL, gltf_message, sizeof gltf_message);
 }
 
 void gltf_assert_refused(const char *name, const char *words) {
@@ -117,7 +64,7 @@ size_t gltf_make_glb(unsigned char *to, const char *json, const void *binary, si
 void gltf_write_glb(const char *name, const char *json, const void *binary, size_t binary_size) {
     static unsigned char buffer[1 << 16];
     assert_true(strlen(json) + binary_size + 64 < sizeof buffer);
-    gltf_write_file(name, buffer, gltf_make_glb(buffer, json, binary, binary_size));
+    folder_write(name, buffer, gltf_make_glb(buffer, json, binary, binary_size));
 }
 
 const zigzag zigzag_data = {{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {2, 0, 0}},
@@ -129,9 +76,9 @@ void gltf_write_zigzag(const char *indices, const char *primitive_rest) {
     char json[2048];
     snprintf(json, sizeof json,
              "{\"asset\":{\"version\":\"2.0\"}," ZIGZAG_VIEWS "\"accessors\":[" ZIGZAG_POSITIONS "%"
-                                                                                                 "s"
-                                                                                                 "]"
-                                                                                                 ","
+             "s"
+             "]"
+             ","
              "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}%s}]}],"
              "\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}]}",
              indices, primitive_rest);

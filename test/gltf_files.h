@@ -1,24 +1,15 @@
-// glTF files made by the tests, in a folder of their own.
+// glTF files made by the tests.
 #ifndef GIRIH_TEST_GLTF_FILES_H
 #define GIRIH_TEST_GLTF_FILES_H
 
 #include "../viewer/gltf.h"
+#include "folder.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
 extern char gltf_message[512];   // what the last call had to say
 extern char gltf_warnings[4096]; // of the last gltf_load, one a line
-
-// Group set-up and tear-down: a new folder, and its removal.
-int gltf_make_folder(void **state);
-int gltf_remove_folder(void **state);
-
-// A path in the folder, valid until the next call.
-const char *gltf_path(const char *name);
-
-void gltf_write_file(const char *name, const void *data, size_t size);
-unsigned char *gltf_read_file(const char *path, size_t *size); // the caller frees it
 
 girih_gltf_model *gltf_load(const char *name); // a file of the folder
 void gltf_assert_refused(const char *name, const char *words);

@@ -67,12 +67,12 @@ static void bad_containers(void **state) {
     static const char json[] = "{\"asset\":{\"version\":\"2.0\"}}";
     unsigned char good[128], bad[128];
     const size_t size = gltf_make_glb(good, json, "abcd", 4);
-    gltf_write_file("c.glb", good, size);
+    folder_write("c.glb", good, size);
     girih_gltf_model *model = gltf_load("c.glb");
     assert_non_null(model);
     assert_int_equal(girih_gltf_get(model)->triangle_count, 0);
     girih_gltf_destroy(model);
-    gltf_write_file("named_wrongly.gltf", good, size); // content decides, not the name
+    folder_write("named_wrongly.gltf", good, size); // content decides, not the name
     model = gltf_load("named_wrongly.gltf");
     assert_non_null(model);
     girih_gltf_destroy(model);
@@ -87,23 +87,23 @@ static void bad_containers(void **state) {
     for (size_t i = 0; i < sizeof damages / sizeof *damages; i++) {
         memcpy(bad, good, size);
         bad[damages[i].offset] = damages[i].value;
-        gltf_write_file("c.glb", bad, size);
+        folder_write("c.glb", bad, size);
         if (damages[i].words != NULL) {
             gltf_assert_refused("c.glb", damages[i].words);
         }
     }
     for (size_t length = 0; length < size; length++) {
-        gltf_write_file("c.glb", good, length);
+        folder_write("c.glb", good, length);
         gltf_assert_refused("c.glb", length < 4 ? "header" : "bad GLB");
     }
-    gltf_write_file("text.gltf", "hello", 5);
+    folder_write("text.gltf", "hello", 5);
     gltf_assert_refused("text.gltf", "neither glTF JSON nor GLB");
     gltf_assert_refused("absent.gltf", "No such file");
-    assert_int_equal(mkfifo(gltf_path("fifo.glb"), 0600), 0);
+    assert_int_equal(mkfifo(folder_path("fifo.glb"), 0600), 0);
     gltf_assert_refused("fifo.glb", "not a regular file"); // and does not hang
     char deep[1200] = "{\"asset\":{\"version\":\"2.0\"},\"extras\":";
     memset(deep + strlen(deep), '[', 1000);
-    gltf_write_file("deep.gltf", deep, sizeof deep);
+    folder_write("deep.gltf", deep, sizeof deep);
     gltf_assert_refused("deep.gltf", "nested");
 }
 
@@ -206,7 +206,7 @@ static void documents_are_checked(void **state) {
         {"{\"asset\":{\"version\":\"2.0\"},\"extensionsRequired\":[\"EXT_x\\ny\"]}", "EXT_x y"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        gltf_write_file("doc.gltf", cases[i].json, strlen(cases[i].json));
+        folder_write("doc.gltf", cases[i].json, strlen(cases[i].json));
         gltf_assert_refused("doc.gltf", cases[i].words);
     }
     static const char missing[] = "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"gone%"
@@ -216,9 +216,9 @@ static void documents_are_checked(void **state) {
                                   "\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
                                   "\"meshes\":[{\"primitives\":"
                                   "[{\"attributes\":{\"POSITION\":0}}]}]}";
-    gltf_write_file("missing.gltf", missing, strlen(missing));
+    folder_write("missing.gltf", missing, strlen(missing));
     gltf_assert_refused("missing.gltf", "buffer 0: 'gone away.bin': cannot open");
-    gltf_write_file("gone away.bin", zigzag_data.positions, 36);
+    folder_write("gone away.bin", zigzag_data.positions, 36);
     girih_gltf_model *model = gltf_load("missing.gltf");
     assert_non_null(model);
     assert_memory_equal(girih_gltf_get(model)->meshes[0].primitives[0].positions,
@@ -277,7 +277,7 @@ static void interleaved_sparse_and_base64(void **state) {
         "\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126.0,\"count\":3."
         "0,\"type\":"
         "\"VEC3\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0.0}}]}]}";
-    gltf_write_file("base64.gltf", base64, strlen(base64));
+    folder_write("base64.gltf", base64, strlen(base64));
     model = gltf_load("base64.gltf");
     assert_non_null(model);
     const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -378,7 +378,7 @@ static void transforms(void **state) {
         length += (size_t)sprintf(text + length, "{\"translation\":[1,0,0],\"children\":[%u]},", i);
     }
     length += (size_t)sprintf(text + length, "{\"camera\":0}]}");
-    gltf_write_file("chain.gltf", text, length);
+    folder_write("chain.gltf", text, length);
     free(text);
     model = gltf_load("chain.gltf");
     assert_non_null(model);
@@ -392,7 +392,7 @@ static void mutations_never_crash(void **state) {
     gltf_write_zigzag(",{\"bufferView\":2,\"componentType\":5123,\"count\":5,\"type\":\"SCALAR\"}",
                       ",\"indices\":1,\"mode\":5");
     size_t size;
-    unsigned char *good = gltf_read_file(gltf_path("zigzag.glb"), &size), *bad = malloc(size);
+    unsigned char *good = folder_read(folder_path("zigzag.glb"), &size), *bad = malloc(size);
     assert_non_null(bad);
     uint64_t random = 88172645463325252u;
     for (unsigned run = 0; run < 3000; run++) {
@@ -408,7 +408,7 @@ static void mutations_never_crash(void **state) {
             }
             length = random % 11 == 0 ? at : length;
         }
-        gltf_write_file("mutant.glb", bad, length);
+        folder_write("mutant.glb", bad, length);
         girih_gltf_model *model = gltf_load("mutant.glb");
         assert_true(model != NULL ||
                     (gltf_message[0] != '\0' && strchr(gltf_message, '\n') == NULL));
@@ -429,5 +429,5 @@ int main(void) {
         cmocka_unit_test(transforms),
         cmocka_unit_test(mutations_never_crash),
     };
-    return cmocka_run_group_tests(tests, gltf_make_folder, gltf_remove_folder);
+    return cmocka_run_group_tests(tests, folder_make, folder_remove);
 }

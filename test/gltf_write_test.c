@@ -97,10 +97,10 @@ static void materials_images_and_writing(void **state) {
     (void)state;
     static const uint8_t picture[4 * 3 * 2] = {255, 0, 0, 255, 0,   255, 0, 128, 0,  0,  255, 0,
                                                1,   2, 3, 4,   250, 251, 9, 8,   77, 66, 55,  44};
-    assert_true(girih_png_write(gltf_path("a picture.png"), 3, 2, picture, gltf_message,
+    assert_true(girih_png_write(folder_path("a picture.png"), 3, 2, picture, gltf_message,
                                 sizeof gltf_message));
     size_t png_size;
-    unsigned char *png = gltf_read_file(gltf_path("a picture.png"), &png_size);
+    unsigned char *png = folder_read(folder_path("a picture.png"), &png_size);
     char json[4096];
     snprintf(json, sizeof json,
              "{\"asset\":{\"version\":\"2.0\",\"copyright\":\"nobody\"}," ZIGZAG_VIEWS
@@ -172,7 +172,7 @@ static void materials_images_and_writing(void **state) {
     assert_int_equal(contents->materials[1].normal_texture.image, -1);
     assert_true(contents->materials[1].normal_scale == 1);
 
-    girih_gltf_model *after = written_and_reloaded(model, gltf_path("out.glb"));
+    girih_gltf_model *after = written_and_reloaded(model, folder_path("out.glb"));
     assert_same_geometry(model, after);
     assert_memory_equal(girih_gltf_get(after)->images[0].pixels, picture, sizeof picture);
     assert_int_equal(girih_gltf_get(after)->mesh_count, 1); // "dots" had no triangles left
@@ -186,7 +186,7 @@ static void materials_images_and_writing(void **state) {
     girih_gltf_destroy(model);
 
     size_t size;
-    unsigned char *out = gltf_read_file(gltf_path("out.glb"), &size);
+    unsigned char *out = folder_read(folder_path("out.glb"), &size);
     const size_t json_size = out[12] | (size_t)out[13] << 8;
     const unsigned char *binary = out + 28 + json_size;
     out[20 + json_size - 1] = 0;
@@ -249,7 +249,7 @@ static void index_width_and_directions(void **state) {
         const girih_gltf_refined_primitive refined = {count,      positions, normals,
                                                       attributes, 3,         indices};
         const girih_gltf_refined_primitive *const meshes[] = {&refined};
-        assert_true(girih_gltf_write(model, meshes, gltf_path("wide.glb"), gltf_message,
+        assert_true(girih_gltf_write(model, meshes, folder_path("wide.glb"), gltf_message,
                                      sizeof gltf_message));
         girih_gltf_model *after = gltf_load("wide.glb");
         assert_non_null(after);
@@ -265,16 +265,16 @@ static void index_width_and_directions(void **state) {
             assert_true(tangent[3] == (i % 3 == 0 ? -1.0f : 1.0f));
         }
         size_t size;
-        unsigned char *out = gltf_read_file(gltf_path("wide.glb"), &size);
+        unsigned char *out = folder_read(folder_path("wide.glb"), &size);
         const bool is_short = strstr((char *)out + 20, "\"componentType\":5123") != NULL;
         assert_int_equal(is_short, count <= 65535);
         free(out);
 
-        assert_false(girih_gltf_write(model, meshes, gltf_path("nowhere/x.glb"), gltf_message,
+        assert_false(girih_gltf_write(model, meshes, folder_path("nowhere/x.glb"), gltf_message,
                                       sizeof gltf_message));
         assert_non_null(strstr(gltf_message, "cannot write"));
         indices[1] = count;
-        assert_false(girih_gltf_write(model, meshes, gltf_path("wide.glb"), gltf_message,
+        assert_false(girih_gltf_write(model, meshes, folder_path("wide.glb"), gltf_message,
                                       sizeof gltf_message));
         assert_non_null(strstr(gltf_message, "out of range"));
         girih_gltf_destroy(after);
@@ -295,7 +295,7 @@ static bool has_errors(const char *path) {
         return false;
     }
     size_t size;
-    unsigned char *text = gltf_read_file(report, &size);
+    unsigned char *text = folder_read(report, &size);
     const char *count = strstr((char *)text, "\"numErrors\":");
     const bool errors = count == NULL || strtol(count + 12, NULL, 10) != 0;
     free(text);
@@ -332,7 +332,7 @@ static void visit(const char *path, unsigned *loaded) {
         return;
     }
     *loaded += 1;
-    girih_gltf_model *after = written_and_reloaded(model, gltf_path("again.glb"));
+    girih_gltf_model *after = written_and_reloaded(model, folder_path("again.glb"));
     assert_same_geometry(model, after);
     girih_gltf_destroy(after);
     girih_gltf_destroy(model);
@@ -356,5 +356,5 @@ int main(void) {
         cmocka_unit_test(index_width_and_directions),
         cmocka_unit_test(real_models),
     };
-    return cmocka_run_group_tests(tests, gltf_make_folder, gltf_remove_folder);
+    return cmocka_run_group_tests(tests, folder_make, folder_remove);
 }

@@ -130,10 +130,9 @@ static void moved_meshes_draw_as_prepared_ones(void **state) {
     }
     assert_true(turned > mesh->edge_count / 4);
     for (uint32_t seed = 0; seed < 20; ++seed) {
-        const girih_frame frame = {
-            .rule = seed % 2 ? GIRIH_LEVEL_RANDOM_LEVEL : GIRIH_LEVEL_RANDOM,
-            .segments = 16,
-            .seed = seed};
+        const girih_frame frame = {.rule = seed % 2 ? GIRIH_LEVEL_RANDOM_LEVEL : GIRIH_LEVEL_RANDOM,
+                                   .segments = 16,
+                                   .seed = seed};
         stages_frame(&s, &frame);
         stages_frame(&t, &frame);
         girih_twin_levels(&s.arrays);

@@ -210,8 +210,8 @@ edge_audit audit_positions(const stages *s) {
     assert_non_null(positions);
     memcpy(positions, s->arrays.words[GIRIH_BIND_OUT_POSITIONS], size);
     const edge_audit audit =
-        audit_points(positions, statistics.output_vertices,
-                     s->arrays.words[GIRIH_BIND_OUT_INDICES], statistics.output_triangles);
+        audit_points(positions, statistics.output_vertices, s->arrays.words[GIRIH_BIND_OUT_INDICES],
+                     statistics.output_triangles);
     free(positions);
     return audit;
 }

@@ -459,6 +459,29 @@ static void culling_without_reach(void **state) {
     own = refine(&desc, &frame);
     assert_int_equal(own.statistics.culled_triangles, 0);
     girih_cpu_output_free(&own);
+
+    uint64_t culled_by[2];
+    // The frustum is tested with the base's control points.
+    const girih_mesh *coarse = make_icosphere(0);
+    desc.meshes = &coarse;
+    for (int base = GIRIH_SURFACE_FLAT; base <= GIRIH_SURFACE_PN; ++base) {
+        uint64_t culled[2] = {0, 0};
+        for (int step = 0; step < 50; ++step) {
+            const girih_frame cut = {.cull_frustum = 1,
+                                     .planes = {{0, 0, 1, -0.02f * (float)step}}};
+            for (int own_one = 0; own_one < 2; ++own_one) {
+                desc.surface = own_one ? GIRIH_SURFACE_OWN : (girih_surface)base;
+                desc.base = (girih_surface)base;
+                own = refine(&desc, &cut);
+                culled[own_one] += own.statistics.culled_triangles;
+                girih_cpu_output_free(&own);
+            }
+        }
+        assert_int_equal(culled[0], culled[1]);
+        culled_by[base] = culled[0];
+    }
+    assert_true(culled_by[GIRIH_SURFACE_FLAT] > culled_by[GIRIH_SURFACE_PN]);
+    girih_mesh_destroy(coarse);
     girih_mesh_destroy(mesh);
 }
 

@@ -105,9 +105,10 @@ void girih_twin_levels(girih_arrays *arrays) {
             edge - girih_instance_word(arrays, instance, GIRIH_INSTANCE_EDGE_DELTA);
         const uint32_t *points = arrays->words[GIRIH_BIND_EDGE_POINTS] + 2 * (size_t)scene_edge;
         bool clamped = false;
-        levels[edge] = frame->rule == GIRIH_LEVELS_RANDOM || frame->rule == GIRIH_LEVELS_RANDOM_LEVEL
-                           ? random_level(arrays, points[0], points[1], &clamped)
-                           : length_level(arrays, instance, points[0], points[1], &clamped);
+        levels[edge] =
+            frame->rule == GIRIH_LEVELS_RANDOM || frame->rule == GIRIH_LEVELS_RANDOM_LEVEL
+                ? random_level(arrays, points[0], points[1], &clamped)
+                : length_level(arrays, instance, points[0], points[1], &clamped);
         if (clamped) {
             ++status[GIRIH_STATUS_CLAMPED];
         }

@@ -8,8 +8,8 @@
 // As a share of the way to each corner, how far the points are that a normal is taken from.
 #define GIRIH_OWN_NORMAL_STEP (1.0f / 256.0f)
 
-// Where a pattern vertex is evaluated: a triangle, and its corners' weights over 32768, in the order
-// of the input.
+// Where a pattern vertex is evaluated: a triangle, and its corners' weights over 32768, in the
+// order of the input.
 typedef struct girih_place {
     uint32_t scene_triangle;
     uint32_t weights[3];
@@ -61,8 +61,7 @@ static inline girih_places girih_corner_places(const girih_arrays *arrays, uint3
     const uint32_t owner = girih_word(arrays, GIRIH_BIND_POINTS, 2 * point + 1);
     girih_places places = {girih_corner_place(owner), girih_corner_place(owner)};
     if (!girih_same_normal(arrays, corner, owner)) {
-        places.normal =
-            girih_corner_place(girih_word(arrays, GIRIH_BIND_POINTS, 2 * vertex + 1));
+        places.normal = girih_corner_place(girih_word(arrays, GIRIH_BIND_POINTS, 2 * vertex + 1));
     }
     return places;
 }
@@ -73,8 +72,7 @@ static inline girih_places girih_edge_places(const girih_arrays *arrays, uint32_
     const bool reversed = girih_edge_reversed(arrays, edge);
     const uint32_t first = reversed ? end_weight : weight;
     const uint32_t second = reversed ? weight : end_weight;
-    const size_t number =
-        girih_word(arrays, GIRIH_BIND_TRIANGLE_EDGES, edge) & GIRIH_EDGE_MASK;
+    const size_t number = girih_word(arrays, GIRIH_BIND_TRIANGLE_EDGES, edge) & GIRIH_EDGE_MASK;
     const uint32_t owner = girih_word(arrays, GIRIH_BIND_EDGES, 2 * number + 1);
     const girih_place place = girih_edge_place(arrays, owner, first, second);
     girih_places places = {place, place};
@@ -138,8 +136,8 @@ static inline void girih_own_patch_make(const girih_arrays *arrays, const girih_
     patch->instance = instance;
     patch->triangle =
         scene_triangle - girih_instance_word(arrays, instance, GIRIH_INSTANCE_MESH_TRIANGLE);
-    patch->material = girih_word(arrays, GIRIH_BIND_TRIANGLE_MATERIALS, scene_triangle) &
-                      GIRIH_MATERIAL_MASK;
+    patch->material =
+        girih_word(arrays, GIRIH_BIND_TRIANGLE_MATERIALS, scene_triangle) & GIRIH_MATERIAL_MASK;
     patch->scale = girih_word_float(girih_instance_word(arrays, instance, GIRIH_INSTANCE_SCALE));
     patch->base = &own->base;
     for (size_t n = 0; n < 3; ++n) {

@@ -75,6 +75,8 @@ typedef struct girih_context_desc {
     VkPhysicalDevice physical_device;
     VkDevice device;
     const VkPhysicalDeviceFeatures *enabled_features; // as the device was made with; NULL: none
+    VkQueueFlags queue_flags; // of the queue family that runs girih's commands; 0: graphics and
+                              // compute. Barriers name no graphics stage where there is none
     const girih_catalogue *catalogue; // NULL: the built-in dyadic one; must outlive the context
     girih_sort sort;
     int few_buffers; // not 0: use 4 storage buffers a stage even where there are more
@@ -85,11 +87,13 @@ typedef struct girih_context_desc {
     // sets of their own bound throughout: girih's set number is host_set_layout_count, and its
     // pipeline layouts begin with the host's layouts, so that recording disturbs none of them. The
     // layouts must outlive the context. At least two sets must be left: maxBoundDescriptorSets - 2.
+    // Storage buffers that the host's layouts show the compute stage count together with girih's (30,
+    // or 4 with few_buffers) against maxPerStageDescriptorStorageBuffers: the host must add them up.
     const VkDescriptorSetLayout *host_set_layouts; // NULL where the count is 0
     uint32_t host_set_layout_count;
     // The host's push constant ranges, copied into girih's pipeline layouts; one of them must offer
-    // GIRIH_PUSH_CONSTANT_BYTES from push_constant_offset on to the compute stage. Count 0: girih
-    // has one range of its own at push_constant_offset.
+    // GIRIH_PUSH_CONSTANT_BYTES from push_constant_offset on to the compute stage, and none may
+    // overlap these bytes in part. Count 0: girih has one range of its own at push_constant_offset.
     const VkPushConstantRange *push_constant_ranges;
     uint32_t push_constant_range_count;
     uint32_t push_constant_offset; // bytes, a multiple of 4

@@ -11,25 +11,25 @@
 extern "C" {
 #endif
 
-// --- Own surfaces ---------------------------------------------------------------------------------
+// --- Own surfaces -------------------------------------------------------------------------------
 
 // What an own surface is given of an instance's triangle: the CPU's GirihPatch. In world space, the
 // corners in the order of the triangle's input. Valid during the call only.
 typedef struct girih_cpu_patch {
-    float position[3][3];    // of the corners
-    float normal[3][3];      // of unit length, or 0 where none can be told
+    float position[3][3]; // of the corners
+    float normal[3][3];   // of unit length, or 0 where none can be told
     const girih_mesh *mesh;
-    uint32_t vertices[3];    // of the mesh
-    uint32_t triangle;       // of the mesh
-    uint32_t instance;       // index into girih_cpu_desc.instances
+    uint32_t vertices[3]; // of the mesh
+    uint32_t triangle;    // of the mesh
+    uint32_t instance;    // index into girih_cpu_desc.instances
     uint32_t material;
-    float scale;             // mesh units to world units: the cube root of the transform's |determinant|
+    float scale; // mesh units to world units: the cube root of the transform's |determinant|
     const struct girih_patch *base; // for girih_cpu_base_position and girih_cpu_base_normal
 } girih_cpu_patch;
 
-// Maps a patch and barycentrics (of the corners, adding up to 1) to a point in the world: the twin of
-// a host's girih_surface in GLSL. It is called more than once for a vertex, and for a vertex on an
-// edge or at a corner in the one triangle that owns the place, so that it need not care for
+// Maps a patch and barycentrics (of the corners, adding up to 1) to a point in the world: the twin
+// of a host's girih_surface in GLSL. It is called more than once for a vertex, and for a vertex on
+// an edge or at a corner in the one triangle that owns the place, so that it need not care for
 // watertightness; but equal arguments must give equal results.
 typedef void (*girih_cpu_surface)(void *user, const girih_cpu_patch *patch,
                                   const float barycentric[3], float position[3]);
@@ -41,7 +41,7 @@ GIRIH_API void girih_cpu_base_position(const girih_cpu_patch *patch, const float
 GIRIH_API void girih_cpu_base_normal(const girih_cpu_patch *patch, const float barycentric[3],
                                      float normal[3]);
 
-// --- Refinement -----------------------------------------------------------------------------------
+// --- Refinement ---------------------------------------------------------------------------------
 
 typedef struct girih_cpu_desc {
     const girih_catalogue *catalogue; // NULL: the built-in dyadic one
@@ -53,8 +53,8 @@ typedef struct girih_cpu_desc {
     girih_mode mode;                      // GIRIH_MODE_INSTANCED gives the same arrays as BAKED
     uint32_t outputs;                     // girih_output_bits; PREVIOUS is the GPU's alone
     uint64_t max_vertices, max_triangles; // 0: as many as needed
-    // GIRIH_SURFACE_OWN: the surface, what it is handed, and, as in girih_surface_program_desc, what
-    // it stands on and what culling may rely on.
+    // GIRIH_SURFACE_OWN: the surface, what it is handed, and, as in girih_surface_program_desc,
+    // what it stands on and what culling may rely on.
     girih_cpu_surface own;
     void *own_user;
     girih_surface base;

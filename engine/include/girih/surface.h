@@ -37,7 +37,9 @@ typedef struct girih_surface_program_desc {
     // The surface's own textures and buffers in baking: descriptor set GIRIH_SURFACE_SET, which is 1
     // or, with a context's host_set_layouts, host_set_layout_count + 1 (girih.glsl: the modules must be
     // compiled with GIRIH_SET and GIRIH_PUSH_OFFSET as the context has them, and may read the host's
-    // sets too). VK_NULL_HANDLE: none.
+    // sets too). Its storage buffers count together with girih's 30 (few_buffers: 4) against
+    // maxPerStageDescriptorStorageBuffers; textures and uniform buffers are free. VK_NULL_HANDLE:
+    // none.
     VkDescriptorSetLayout set_layout;
     // What culling may rely on: every point lies within `reach` (mesh units, along each axis) of the
     // box around the base surface's control points: GIRIH_SURFACE_FLAT (the corners) or
