@@ -43,5 +43,7 @@ girih_result bench_measure(bench_target *target, const bench_method *list, uint3
 
 // The cases: each appends one or more objects to `cases`.
 girih_result bench_spheres(girih_device *device, uint32_t pairs, json_t *cases, girih_error *error);
+girih_result bench_instances(girih_device *device, uint32_t pairs, json_t *cases,
+                             girih_error *error);
 
 #endif

@@ -63,11 +63,13 @@ vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric) {
     }
     vec3 along2 = base[1] - base[0];
     vec3 along3 = base[2] - base[0];
+    // Mirrored, folded, or given with normals that oppose the winding: the normal decides.
+    float facing = girih_dot(girih_cross(along2, along3), normal);
     along2 += (added[1] - added[0]) - normal * girih_dot(along2, normal);
     along3 += (added[2] - added[0]) - normal * girih_dot(along3, normal);
     vec3 turned = girih_normalize(girih_cross(along2, along3));
     // Nothing can be told where the base has no extent.
-    return girih_dot(turned, turned) > 0.5 ? (patch_.mirrored ? -turned : turned) : normal;
+    return girih_dot(turned, turned) > 0.5 ? (facing < 0.0 ? -turned : turned) : normal;
 }
 
 #endif

@@ -112,7 +112,6 @@ typedef struct girih_own_patch {
     girih_cpu_patch patch; // base points to the next
     girih_patch base;
     uint32_t scene_triangle;
-    bool mirrored;
 } girih_own_patch;
 
 static inline void girih_own_patch_make(const girih_arrays *arrays, const girih_cpu_desc *desc,
@@ -126,8 +125,6 @@ static inline void girih_own_patch_make(const girih_arrays *arrays, const girih_
     girih_item_vertices(arrays, &item, vertices);
     girih_item_patch(arrays, &item, vertices, desc->base, &own->base);
     own->scene_triangle = scene_triangle;
-    own->mirrored = (girih_instance_word(arrays, instance, GIRIH_INSTANCE_FLAGS) &
-                     GIRIH_INSTANCE_MIRRORED) != 0;
 
     girih_cpu_patch *patch = &own->patch;
     const girih_vector position[3] = {own->base.b300, own->base.b030, own->base.b003};
@@ -178,6 +175,9 @@ static inline girih_vector girih_own_normal(const girih_cpu_desc *desc, const gi
         added[n] = girih_subtract(girih_own_surface(desc, own, near), base[n]);
     }
     girih_vector along[2];
+    // Mirrored, folded, or given with normals that oppose the winding: the normal decides.
+    const float facing = girih_dot(
+        girih_cross(girih_subtract(base[1], base[0]), girih_subtract(base[2], base[0])), normal);
     for (int n = 0; n < 2; ++n) {
         const girih_vector step = girih_subtract(base[n + 1], base[0]);
         const girih_vector tangent =
@@ -189,7 +189,7 @@ static inline girih_vector girih_own_normal(const girih_cpu_desc *desc, const gi
     if (!(girih_dot(turned, turned) > 0.5f)) {
         return normal;
     }
-    return girih_no_negative_zeros(own->mirrored ? girih_negate(turned) : turned);
+    return girih_no_negative_zeros(facing < 0.0f ? girih_negate(turned) : turned);
 }
 
 #endif

@@ -85,9 +85,7 @@ static void limit_culling(girih_frame_block *frame, const girih_cpu_desc *desc) 
         return;
     }
     frame->reach = desc->reach;
-    if (desc->base != GIRIH_SURFACE_FLAT || desc->reach > 0.0f) {
-        frame->cull &= ~GIRIH_CULL_BACK;
-    }
+    frame->cull &= GIRIH_CULL_FRUSTUM;
 }
 
 // Everything up to the counts of the output.

@@ -128,7 +128,7 @@ static bool is_culled(const girih_arrays *arrays, uint32_t scene_triangle, uint3
     }
     const bool mirrored = (girih_instance_word(arrays, instance, GIRIH_INSTANCE_FLAGS) &
                            GIRIH_INSTANCE_MIRRORED) != 0;
-    return (frame->cull & GIRIH_CULL_BACK) != 0 && !two_sided && frame->reach == 0.0f &&
+    return (frame->cull & GIRIH_CULL_BACK) != 0 && !two_sided &&
            faces_away(frame, p, count, &t, mirrored);
 }
 
