@@ -17,6 +17,7 @@
 //                                                    Curved PN triangles
 //   vec3 girih_base_normal(patch_, barycentric)      its unit normal
 //   float girih_attribute(patch_, n, barycentric)    float n of the vertices' attributes
+//   girih_mesh_place(patch_, barycentric, out position, out normal)    the same place in mesh space
 // and read textures and buffers of the host's. Normals are worked out from it (own.glsl) unless
 // GIRIH_SURFACE_NORMAL is defined; then the host defines
 //   vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric)

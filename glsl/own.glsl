@@ -34,6 +34,21 @@ float girih_attribute(GirihPatch patch_, uint n, vec3 barycentric) {
                                  barycentric.y, barycentric.z);
 }
 
+// Where the place lies on the flat triangle in mesh space, and the mesh-space normal there, of unit
+// length: for patterns in space that stay with the mesh.
+void girih_mesh_place(GirihPatch patch_, vec3 barycentric, out vec3 position, out vec3 normal) {
+    uint first = patch_.previous ? frame.previous_vertices : 0u;
+    position = vec3(0.0);
+    normal = vec3(0.0);
+    for (uint n = 0u; n < 3u; ++n) {
+        vec3 p, q;
+        girih_vertex(patch_.vertices[n], first, p, q);
+        position += p * barycentric[n];
+        normal += q * barycentric[n];
+    }
+    normal = girih_normalize(normal);
+}
+
 // --- The normal ---------------------------------------------------------------------------------------
 
 #ifdef GIRIH_SURFACE_NORMAL
