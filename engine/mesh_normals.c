@@ -7,12 +7,20 @@
 // Sums of unit vectors weighted by angles that are shorter than this have cancelled out.
 #define CANCELLED 1e-9
 
+// Unit vectors rounded to floats are this near to length 1, squared. They are kept as they are, so
+// that a mesh prepared from another's normals has the same bits.
+#define UNIT_TOLERANCE 4e-7
+
 // The tolerance of the crease test, on the cosine: a cube's 90 degrees are not more than 90.
 #define CREASE_TOLERANCE 1e-7
 
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 // Stores the unit vector along a vector longer than `least`, else 0.
 static void store_unit(const double vector[3], double least, float normal[3]) {
-    double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+    double length = sqrt(dot(vector, vector));
     for (int axis = 0; axis < 3; ++axis) {
         normal[axis] = length > least ? girih_positive_zero((float)(vector[axis] / length)) : 0.0f;
     }
@@ -29,8 +37,15 @@ bool girih_take_normals(girih_mesh_build *build) {
         float normal[3];
         memcpy(normal, (const char *)desc->normals + build->vertex_source[vertex] * stride,
                sizeof normal);
-        store_unit((double[3]){(double)normal[0], (double)normal[1], (double)normal[2]}, 0.0,
-                   build->normals + 3 * (size_t)vertex);
+        const double given[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
+        float *stored = build->normals + 3 * (size_t)vertex;
+        if (fabs(dot(given, given) - 1.0) < UNIT_TOLERANCE) {
+            for (int axis = 0; axis < 3; ++axis) {
+                stored[axis] = girih_positive_zero(normal[axis]);
+            }
+        } else {
+            store_unit(given, 0.0, stored);
+        }
     }
     return true;
 }
@@ -40,10 +55,6 @@ static void corner_position(const girih_mesh_build *build, uint32_t corner, doub
     for (int axis = 0; axis < 3; ++axis) {
         position[axis] = (double)stored[axis];
     }
-}
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 // What a triangle gives to its corners' normals.

@@ -38,7 +38,8 @@ typedef struct girih_mesh_desc {
     uint32_t vertex_count;
     const float *positions; // 3 floats a vertex
     size_t position_stride; // bytes; 0: 12
-    const float *normals; // 3 floats a vertex, normalised here; NULL: made as missing_normals says
+    const float *normals; // 3 floats a vertex, normalised here (unit vectors rounded to floats are
+                          // kept to the bit); NULL: made as missing_normals says
     size_t normal_stride; // bytes; 0: 12
     const float *attributes; // attribute_floats a vertex, tightly packed; NULL where there are none
     uint32_t attribute_floats;

@@ -42,9 +42,8 @@ typedef struct girih_surface_program_desc {
     // none.
     VkDescriptorSetLayout set_layout;
     // What culling may rely on: every point lies within `reach` (mesh units, along each axis) of the
-    // box around the base surface's control points: GIRIH_SURFACE_FLAT (the corners) or
-    // GIRIH_SURFACE_PN (which includes them). Not finite or negative: nothing is known, and nothing is
-    // culled. Triangles facing away are never culled: nothing is known of the normals.
+    // base surface's point at the same place: GIRIH_SURFACE_FLAT or GIRIH_SURFACE_PN, as GIRIH_BASE
+    // says in the shaders. Not finite or negative: nothing is known, and nothing is culled. Triangles facing away are never culled: nothing is known of the normals.
     girih_surface base;
     float reach;
 } girih_surface_program_desc;
