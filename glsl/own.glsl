@@ -25,6 +25,17 @@ vec3 girih_base_normal(GirihPatch patch_, vec3 barycentric) {
     return girih_patch_unit_normal(patch_, barycentric.x, barycentric.y, barycentric.z);
 }
 
+// The way that the base surface's point goes along its normal, `height` mesh units far, in the world: as
+// if the mesh had been displaced before it was placed, whatever the transform's scales are.
+vec3 girih_displacement(GirihPatch patch_, vec3 barycentric, float height) {
+    GirihTransform t = girih_instance_transform(
+        patch_.instance, patch_.previous ? GIRIH_INSTANCE_PREVIOUS : GIRIH_INSTANCE_TRANSFORM);
+    // World normals are mesh normals times the inverse transpose; its inverse is the transpose.
+    vec3 world = girih_base_normal(patch_, barycentric);
+    vec3 mesh = girih_normalize(t.row0.xyz * world.x + t.row1.xyz * world.y + t.row2.xyz * world.z);
+    return vec3(girih_dot(t.row0.xyz, mesh), girih_dot(t.row1.xyz, mesh), girih_dot(t.row2.xyz, mesh)) * height;
+}
+
 // Float n of the vertices' attributes.
 float girih_attribute(GirihPatch patch_, uint n, vec3 barycentric) {
     uint floats = frame.attribute_floats;
@@ -63,19 +74,17 @@ vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric);
 #define GIRIH_NORMAL_STEP (1.0 / 256.0)
 #endif
 
+// The three places, around this one, that the normal is taken from; they never leave the triangle.
+vec3 girih_normal_place(vec3 barycentric, int n) {
+    vec3 near = barycentric * (1.0 - GIRIH_NORMAL_STEP);
+    near[n] += GIRIH_NORMAL_STEP;
+    return near;
+}
+
 // The base normal, turned as the surface turns against the base: the base's tangents are taken
 // perpendicular to its normal, which need not be that of its own facets, and what the surface adds to
-// the base is differentiated between three points around the place, which never leave the triangle.
-vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric) {
-    vec3 normal = girih_base_normal(patch_, barycentric);
-    vec3 base[3];
-    vec3 added[3];
-    for (int n = 0; n < 3; ++n) {
-        vec3 near = barycentric * (1.0 - GIRIH_NORMAL_STEP);
-        near[n] += GIRIH_NORMAL_STEP;
-        base[n] = girih_base_position(patch_, near);
-        added[n] = girih_surface(patch_, near) - base[n];
-    }
+// the base is differentiated. `base` and `added` are those of girih_normal_place.
+vec3 girih_turned_normal(vec3 normal, vec3 base[3], vec3 added[3]) {
     vec3 along2 = base[1] - base[0];
     vec3 along3 = base[2] - base[0];
     // Mirrored, folded, or given with normals that oppose the winding: the normal decides.
@@ -85,6 +94,17 @@ vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric) {
     vec3 turned = girih_normalize(girih_cross(along2, along3));
     // Nothing can be told where the base has no extent.
     return girih_dot(turned, turned) > 0.5 ? (facing < 0.0 ? -turned : turned) : normal;
+}
+
+vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric) {
+    vec3 base[3];
+    vec3 added[3];
+    for (int n = 0; n < 3; ++n) {
+        vec3 near = girih_normal_place(barycentric, n);
+        base[n] = girih_base_position(patch_, near);
+        added[n] = girih_surface(patch_, near) - base[n];
+    }
+    return girih_turned_normal(girih_base_normal(patch_, barycentric), base, added);
 }
 
 #endif
