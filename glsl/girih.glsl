@@ -16,7 +16,7 @@
 //   vec3 girih_base_position(patch_, barycentric)    the base surface: GIRIH_BASE 0 flat, 1 (the default)
 //                                                    Curved PN triangles
 //   vec3 girih_base_normal(patch_, barycentric)      its unit normal
-//   vec3 girih_displacement(patch_, barycentric, height)    `height` mesh units along it, in the world
+//   vec3 girih_displacement(patch_, normal, height)  the way `height` mesh units along a unit normal
 //   float girih_attribute(patch_, n, barycentric)    float n of the vertices' attributes
 //   girih_mesh_place(patch_, barycentric, out position, out normal)    the same place in mesh space
 // and read textures and buffers of the host's. Normals are worked out from it (own.glsl) unless

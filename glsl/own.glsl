@@ -25,14 +25,13 @@ vec3 girih_base_normal(GirihPatch patch_, vec3 barycentric) {
     return girih_patch_unit_normal(patch_, barycentric.x, barycentric.y, barycentric.z);
 }
 
-// The way that the base surface's point goes along its normal, `height` mesh units far, in the world: as
-// if the mesh had been displaced before it was placed, whatever the transform's scales are.
-vec3 girih_displacement(GirihPatch patch_, vec3 barycentric, float height) {
+// The way of a point that goes `height` mesh units along a unit normal, both in the world: as if the mesh
+// had been displaced before it was placed, whatever the transform's scales are.
+vec3 girih_displacement(GirihPatch patch_, vec3 normal, float height) {
     GirihTransform t = girih_instance_transform(
         patch_.instance, patch_.previous ? GIRIH_INSTANCE_PREVIOUS : GIRIH_INSTANCE_TRANSFORM);
     // World normals are mesh normals times the inverse transpose; its inverse is the transpose.
-    vec3 world = girih_base_normal(patch_, barycentric);
-    vec3 mesh = girih_normalize(t.row0.xyz * world.x + t.row1.xyz * world.y + t.row2.xyz * world.z);
+    vec3 mesh = girih_normalize(t.row0.xyz * normal.x + t.row1.xyz * normal.y + t.row2.xyz * normal.z);
     return vec3(girih_dot(t.row0.xyz, mesh), girih_dot(t.row1.xyz, mesh), girih_dot(t.row2.xyz, mesh)) * height;
 }
 
@@ -62,28 +61,21 @@ void girih_mesh_place(GirihPatch patch_, vec3 barycentric, out vec3 position, ou
 
 // --- The normal ---------------------------------------------------------------------------------------
 
-#ifdef GIRIH_SURFACE_NORMAL
-
-// The host's own.
-vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric);
-
-#else
-
-// How far the points are that the normal is taken from, as a share of the way to each corner.
+// How far the points are that a normal is taken from, as a share of the way to each corner.
 #ifndef GIRIH_NORMAL_STEP
 #define GIRIH_NORMAL_STEP (1.0 / 256.0)
 #endif
 
-// The three places, around this one, that the normal is taken from; they never leave the triangle.
-vec3 girih_normal_place(vec3 barycentric, int n) {
+// The three points around a place, which never leave the triangle.
+vec3 girih_normal_place(vec3 barycentric, int corner) {
     vec3 near = barycentric * (1.0 - GIRIH_NORMAL_STEP);
-    near[n] += GIRIH_NORMAL_STEP;
+    near[corner] += GIRIH_NORMAL_STEP;
     return near;
 }
 
-// The base normal, turned as the surface turns against the base: the base's tangents are taken
-// perpendicular to its normal, which need not be that of its own facets, and what the surface adds to
-// the base is differentiated. `base` and `added` are those of girih_normal_place.
+// The normal of a surface that adds `added` to points `base` of another whose normal is `normal`: the
+// base's tangents are taken perpendicular to its normal, which need not be that of its own facets, and
+// what is added is differentiated.
 vec3 girih_turned_normal(vec3 normal, vec3 base[3], vec3 added[3]) {
     vec3 along2 = base[1] - base[0];
     vec3 along3 = base[2] - base[0];
@@ -95,6 +87,13 @@ vec3 girih_turned_normal(vec3 normal, vec3 base[3], vec3 added[3]) {
     // Nothing can be told where the base has no extent.
     return girih_dot(turned, turned) > 0.5 ? (facing < 0.0 ? -turned : turned) : normal;
 }
+
+#ifdef GIRIH_SURFACE_NORMAL
+
+// The host's own.
+vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric);
+
+#else
 
 vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric) {
     vec3 base[3];
