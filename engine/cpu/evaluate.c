@@ -196,3 +196,19 @@ void girih_cpu_base_normal(const girih_cpu_patch *patch, const float barycentric
         girih_patch_unit_normal(patch->base, barycentric[0], barycentric[1], barycentric[2]);
     memcpy(normal, &n, sizeof n);
 }
+
+void girih_cpu_displacement(const girih_cpu_patch *patch, const float normal[3], float height,
+                            float offset[3]) {
+    const float *t = patch->transform;
+    // World normals are mesh normals times the inverse transpose; its inverse is the transpose.
+    girih_vector mesh = {
+        (t[0] * normal[0] + t[4] * normal[1]) + t[8] * normal[2],
+        (t[1] * normal[0] + t[5] * normal[1]) + t[9] * normal[2],
+        (t[2] * normal[0] + t[6] * normal[1]) + t[10] * normal[2],
+    };
+    mesh = girih_normalize(mesh);
+    for (size_t n = 0; n < 3; ++n) {
+        const girih_vector row = {t[4 * n], t[4 * n + 1], t[4 * n + 2]};
+        offset[n] = girih_dot(row, mesh) * height;
+    }
+}

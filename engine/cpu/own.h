@@ -136,6 +136,7 @@ static inline void girih_own_patch_make(const girih_arrays *arrays, const girih_
     patch->material =
         girih_word(arrays, GIRIH_BIND_TRIANGLE_MATERIALS, scene_triangle) & GIRIH_MATERIAL_MASK;
     patch->scale = girih_word_float(girih_instance_word(arrays, instance, GIRIH_INSTANCE_SCALE));
+    patch->transform = desc->instances[instance].transform;
     patch->base = &own->base;
     for (size_t n = 0; n < 3; ++n) {
         const girih_vector unit = girih_no_negative_zeros(girih_normalize(normal[n]));

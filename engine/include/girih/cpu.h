@@ -24,6 +24,7 @@ typedef struct girih_cpu_patch {
     uint32_t instance;    // index into girih_cpu_desc.instances
     uint32_t material;
     float scale; // mesh units to world units: the cube root of the transform's |determinant|
+    const float *transform;         // of the instance: girih_instance.transform
     const struct girih_patch *base; // for girih_cpu_base_position and girih_cpu_base_normal
 } girih_cpu_patch;
 
@@ -40,6 +41,11 @@ GIRIH_API void girih_cpu_base_position(const girih_cpu_patch *patch, const float
                                        float position[3]);
 GIRIH_API void girih_cpu_base_normal(const girih_cpu_patch *patch, const float barycentric[3],
                                      float normal[3]);
+
+// The way of a point that goes `height` mesh units along a unit normal, both in the world: as if the
+// mesh had been displaced before it was placed, whatever the transform's scales are.
+GIRIH_API void girih_cpu_displacement(const girih_cpu_patch *patch, const float normal[3],
+                                      float height, float offset[3]);
 
 // --- Refinement ---------------------------------------------------------------------------------
 
