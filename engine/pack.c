@@ -17,7 +17,11 @@ girih_result girih_allocate_words(girih_arrays *arrays, uint32_t binding, uint64
     }
     if (!memory) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY,
-                          "no memory for %" PRIu64 " words of array %" PRIu32, words, binding);
+                          "%s: out of memory for %" PRIu64 " words; refine less at once",
+                          binding < GIRIH_BIND_PATTERNS    ? "scene"
+                          : binding < GIRIH_BIND_INSTANCES ? "catalogue"
+                                                           : "plan",
+                          words);
     }
     memset(memory, 0, (size_t)words * sizeof *memory);
     arrays->words[binding] = memory;
