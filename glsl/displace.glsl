@@ -1,15 +1,15 @@
-// Displacement, for own surfaces: a height map's height at a place, and a point moved along a normal.
-// Include it after girih.glsl; girih_surface may then be
+// Displacement, for own surfaces: a height map's height at a place. Include it after girih.glsl;
+// girih_surface may then be
 //
 //     layout(set = GIRIH_SURFACE_SET, binding = 0) uniform sampler2D heights;
 //     vec3 girih_surface(GirihPatch patch_, vec3 barycentric) {
 //         vec2 place = vec2(girih_attribute(patch_, 0u, barycentric), girih_attribute(patch_, 1u, barycentric));
-//         return girih_displaced(girih_base_position(patch_, barycentric), girih_base_normal(patch_, barycentric),
-//                                girih_height(heights, place) * (HEIGHT * patch_.scale));
+//         return girih_base_position(patch_, barycentric) +
+//                girih_displacement(patch_, girih_base_normal(patch_, barycentric),
+//                                   girih_height(heights, place) * HEIGHT);
 //     }
 //
-// with reach = HEIGHT * the map's largest absolute height in girih_surface_program_desc, where no instance
-// is scaled unevenly.
+// with the map's largest absolute height times HEIGHT for girih_surface_program_desc.reach.
 #ifndef GIRIH_DISPLACE_GLSL
 #define GIRIH_DISPLACE_GLSL
 
@@ -47,9 +47,17 @@ float girih_height(sampler2D map, vec2 place) {
     return height;
 }
 
-vec3 girih_displaced(vec3 point, vec3 normal, float distance) {
-    precise vec3 result = point + normal * distance;
-    return result;
+// The same for models without texture coordinates: the map is laid on along the three axes of the mesh's
+// own space, and what the normal faces most counts most. Both as girih_mesh_place gives them.
+float girih_height_by_axes(sampler2D map, vec3 position, vec3 normal) {
+    vec3 square = normal * normal;
+    precise vec3 weight = square * square;
+    precise float sum = (weight.x + weight.y) + weight.z;
+    float along_x = girih_height(map, vec2(-position.z, -position.y));
+    float along_y = girih_height(map, vec2(position.x, position.z));
+    float along_z = girih_height(map, vec2(position.x, -position.y));
+    precise float height = (along_x * weight.x + along_y * weight.y) + along_z * weight.z;
+    return sum > 0.0 ? height / sum : along_x;
 }
 
 #endif

@@ -3,46 +3,8 @@
 # Usage: cli.sh GIRIH ASSETS_FOLDER
 set -uo pipefail
 
-girih=$(realpath -- "$1")
-assets=$(realpath -- "$2")
-folder=$(mktemp -d)
-trap 'rm -rf -- "$folder"' EXIT
-cd -- "$folder" || exit 1
-export GIRIH_VALIDATION=1
-failures=0
-
-fail() {
-    printf 'FAILED: %s\n' "$*"
-    failures=$((failures + 1))
-}
-
-# expect CODE ARGUMENT...: runs girih; its output lands in out and err.
-expect() {
-    local wanted=$1 code=0
-    shift
-    "$girih" "$@" >out 2>err </dev/null || code=$?
-    if [[ $code -ne $wanted ]]; then
-        fail "girih $*: exit code $code, not $wanted: $(head -c 400 err)"
-    fi
-}
-
-# One line on standard error that begins with "girih: ", nothing on standard output.
-expect_one_line() {
-    if [[ $(wc -l <err) -ne 1 || -s out || $(head -c 7 err) != 'girih: ' ]]; then
-        fail "$*: not one line: $(head -c 400 err)"
-    fi
-}
-
-# json EXPRESSION: evaluates to true with the printed object as o.
-json() {
-    python3 -c 'import json, sys
-o = json.load(open("out"))
-sys.exit(0 if eval(sys.argv[1]) else 1)' "$1" 2>>err || fail "JSON: not so: $1: $(tr -s " \n" " " <out | head -c 200)"
-}
-
-same() {
-    cmp -s "$1" "$2" || fail "$1 and $2 differ"
-}
+# shellcheck source=test/cli_functions.sh
+. "$(dirname -- "$0")/cli_functions.sh"
 
 # --- Help and wrong use ---
 expect 0 --help

@@ -14,8 +14,8 @@ typedef struct points {
     uint32_t instance_count;
 } points;
 
-// How far points reach along directions: max of dot(direction, point). Without any point, those of a
-// cube around the origin, so that there is something to look at.
+// How far points reach along directions: max of dot(direction, point). Without any point, those of
+// a cube around the origin, so that there is something to look at.
 static void reach(const points *set, double directions[][3], uint32_t direction_count,
                   double *reaches) {
     for (uint32_t d = 0; d < direction_count; d++) {
@@ -42,6 +42,12 @@ static void reach(const points *set, double directions[][3], uint32_t direction_
                 reaches[d] = along > reaches[d] ? along : reaches[d];
             }
         }
+    }
+    for (uint32_t d = 0; d < direction_count; d++) {
+        const double *direction = directions[d];
+        reaches[d] += (double)set->model->reach *
+                      sqrt(direction[0] * direction[0] + direction[1] * direction[1] +
+                           direction[2] * direction[2]);
     }
 }
 

@@ -138,8 +138,8 @@ static girih_result expect_from(session *s, girih_error *error) {
     girih_result result =
         girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
     if (result == GIRIH_OK) {
-        result = girih_model_load(&s->from, options->from, GIRIH_MODEL_TOPOLOGY,
-                                  options->surface.surface, options->surface.crease_degrees, error);
+        result = girih_model_load(&s->from, options->from, GIRIH_MODEL_TOPOLOGY, &options->surface,
+                                  error);
     }
     if (result == GIRIH_OK) {
         result = girih_model_instances(&s->from, false, &s->instances, &instance_count, error);

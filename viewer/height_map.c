@@ -1,48 +1,23 @@
 #include "height_map.h"
 
-#include <errno.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include <OpenEXR/openexr.h>
 #include <libpng16/png.h> // with its folder: <png.h> alone could mean this project's
 
 #include "error.h"
+#include "input_file.h"
 
 // The file's bytes, and how far PNG's reader has come.
 typedef struct source {
-    uint8_t *bytes;
+    char *bytes;
     size_t size, position;
 } source;
-
-static girih_result read_file(const char *path, source *file, girih_error *error) {
-    struct stat status;
-    if (stat(path, &status) != 0) {
-        return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "%s", strerror(errno));
-    }
-    if (!S_ISREG(status.st_mode)) { // before it is opened: a FIFO would wait
-        return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "is no regular file");
-    }
-    FILE *stream = fopen(path, "rb");
-    if (stream == NULL) {
-        return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "%s", strerror(errno));
-    }
-    girih_result result = GIRIH_OK;
-    file->size = (size_t)status.st_size;
-    file->bytes = malloc(file->size + 1);
-    if (file->bytes == NULL) {
-        result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
-    } else if (fread(file->bytes, 1, file->size, stream) != file->size) {
-        result = girih_fail(error, GIRIH_ERROR_INVALID_DATA, "cannot be read to its end");
-    }
-    fclose(stream);
-    return result;
-}
 
 static girih_result allocate_texels(girih_height_map *map, uint64_t width, uint64_t height,
                                     girih_error *error) {
@@ -389,7 +364,7 @@ girih_result girih_height_map_load(const char *path, girih_height_map *map, giri
     *map = (girih_height_map){0};
     source file = {0};
     girih_error reason = {0};
-    girih_result result = read_file(path, &file, &reason);
+    girih_result result = girih_input_read(path, &file.bytes, &file.size, &reason);
     if (result == GIRIH_OK) {
         if (file.size >= sizeof png_mark && memcmp(file.bytes, png_mark, sizeof png_mark) == 0) {
             result = load_png(&file, map, &reason);

@@ -159,9 +159,10 @@ int girih_command_info(int argc, char **argv) {
     info_options options = {0};
     girih_options_parse(&info_argp, argc, argv, &options);
     girih_model model;
+    girih_surface_options surface = {.surface = GIRIH_SURFACE_PN, .crease_degrees = 60.0f};
     girih_error error = {.result = GIRIH_OK};
-    if (girih_model_load(&model, options.model, GIRIH_MODEL_TOPOLOGY, GIRIH_SURFACE_PN, 60.0f,
-                         &error) != GIRIH_OK) {
+    if (girih_model_load(&model, options.model, GIRIH_MODEL_TOPOLOGY, &surface, &error) !=
+        GIRIH_OK) {
         return girih_report_failure(options.model, error.message);
     }
     totals t = sum_up(&model, options.model);

@@ -12,8 +12,8 @@ static girih_result no_memory(girih_error *error) {
     return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
-static const girih_gltf_attribute *find_attribute(const girih_gltf_primitive *primitive,
-                                                  const char *name) {
+const girih_gltf_attribute *girih_model_find_attribute(const girih_gltf_primitive *primitive,
+                                                       const char *name) {
     for (uint32_t n = 0; n < primitive->attribute_count; n++) {
         if (strcmp(primitive->attributes[n].name, name) == 0) {
             return &primitive->attributes[n];
@@ -35,7 +35,7 @@ static const girih_gltf_attribute *find_texcoord(const girih_gltf_primitive *pri
     }
     char name[32];
     snprintf(name, sizeof name, "TEXCOORD_%u", texture->texcoord);
-    return find_attribute(primitive, name);
+    return girih_model_find_attribute(primitive, name);
 }
 
 static texcoord_pair find_texcoords(const girih_gltf_contents *contents,
@@ -53,8 +53,9 @@ static texcoord_pair find_texcoords(const girih_gltf_contents *contents,
 
 // --- The layout of attributes ---
 
-static void lay_out_drawing(girih_model *model) {
+static void lay_out_drawing(girih_model *model, bool displaced) {
     const girih_gltf_contents *contents = model->contents;
+    bool has_height = false;
     uint32_t texcoord_floats = 0;
     bool has_color = false;
     for (uint32_t m = 0; m < contents->mesh_count; m++) {
@@ -66,7 +67,8 @@ static void lay_out_drawing(girih_model *model) {
             } else if (texcoords.base != NULL && texcoord_floats == 0) {
                 texcoord_floats = 2;
             }
-            has_color |= find_attribute(primitive, "COLOR_0") != NULL;
+            has_color |= girih_model_find_attribute(primitive, "COLOR_0") != NULL;
+            has_height |= displaced && girih_model_find_attribute(primitive, "TEXCOORD_0") != NULL;
         }
     }
     if (texcoord_floats != 0) {
@@ -77,6 +79,10 @@ static void lay_out_drawing(girih_model *model) {
     if (has_color) {
         model->color_float = model->attribute_floats;
         model->attribute_floats += 4;
+    }
+    if (has_height) {
+        model->height_float = model->attribute_floats;
+        model->attribute_floats += 2;
     }
 }
 
@@ -206,13 +212,20 @@ static void copy_attributes(const girih_model *model, const girih_gltf_primitive
         }
     }
     if (model->color_float != GIRIH_MODEL_NONE) {
-        copy_attribute(to + model->color_float, stride, 4, find_attribute(primitive, "COLOR_0"),
-                       primitive->vertex_count, 1.0f);
+        copy_attribute(to + model->color_float, stride, 4,
+                       girih_model_find_attribute(primitive, "COLOR_0"), primitive->vertex_count,
+                       1.0f);
+    }
+    if (model->height_float != GIRIH_MODEL_NONE) {
+        copy_attribute(to + model->height_float, stride, 2,
+                       girih_model_find_attribute(primitive, "TEXCOORD_0"), primitive->vertex_count,
+                       0.0f);
     }
     for (uint32_t n = 0; n < model->attribute_count; n++) {
         const girih_model_attribute *attribute = &model->attributes[n];
         copy_attribute(to + attribute->first, stride, attribute->components,
-                       find_attribute(primitive, attribute->name), primitive->vertex_count, 0.0f);
+                       girih_model_find_attribute(primitive, attribute->name),
+                       primitive->vertex_count, 0.0f);
     }
 }
 
@@ -276,7 +289,7 @@ static girih_result join(girih_joined *joined, const girih_model *model, uint32_
 }
 
 static girih_result create_mesh(const girih_model *model, const girih_joined *joined,
-                                const char *name, girih_surface surface, float crease_degrees,
+                                const char *name, const girih_surface_options *surface,
                                 const girih_mesh **mesh, girih_error *error) {
     girih_mesh_desc desc = {
         .name = name,
@@ -290,9 +303,9 @@ static girih_result create_mesh(const girih_model *model, const girih_joined *jo
         .submeshes = joined->submeshes,
         .submesh_count = joined->submesh_count,
         .missing_normals = GIRIH_NORMALS_SMOOTH,
-        .crease_degrees = crease_degrees,
+        .crease_degrees = surface->crease_degrees,
     };
-    if (surface == GIRIH_SURFACE_FLAT) {
+    if (surface->surface == GIRIH_SURFACE_FLAT) {
         if (model->purpose == GIRIH_MODEL_DRAW) {
             desc.missing_normals = GIRIH_NORMALS_FLAT;
         } else {
@@ -307,15 +320,15 @@ static girih_result create_mesh(const girih_model *model, const girih_joined *jo
 // themselves first, and what comes out, vertices split at creases included, goes in among the
 // others.
 static girih_result create_mixed_mesh(const girih_model *model, uint32_t number, const bool *lacks,
-                                      girih_surface surface, float crease_degrees,
-                                      const girih_mesh **mesh, girih_error *error) {
+                                      const girih_surface_options *surface, const girih_mesh **mesh,
+                                      girih_error *error) {
     const girih_gltf_mesh *source = &model->contents->meshes[number];
     girih_joined without = {0};
     girih_joined all = {0};
     const girih_mesh *made = NULL;
     girih_result result = join(&without, model, number, lacks, false, error);
     if (result == GIRIH_OK) {
-        result = create_mesh(model, &without, source->name, surface, crease_degrees, &made, error);
+        result = create_mesh(model, &without, source->name, surface, &made, error);
     }
     if (result == GIRIH_OK) {
         result = join(&all, model, number, NULL, true, error);
@@ -369,7 +382,7 @@ static girih_result create_mixed_mesh(const girih_model *model, uint32_t number,
             next_vertex += vertices;
         }
         all.vertex_count += made->vertex_count;
-        result = create_mesh(model, &all, source->name, surface, crease_degrees, mesh, error);
+        result = create_mesh(model, &all, source->name, surface, mesh, error);
     }
     girih_mesh_destroy(made);
     free_joined(&without);
@@ -377,8 +390,8 @@ static girih_result create_mixed_mesh(const girih_model *model, uint32_t number,
     return result;
 }
 
-static girih_result prepare_mesh(const girih_model *model, uint32_t number, girih_surface surface,
-                                 float crease_degrees, const girih_mesh **mesh,
+static girih_result prepare_mesh(const girih_model *model, uint32_t number,
+                                 const girih_surface_options *surface, const girih_mesh **mesh,
                                  girih_error *error) {
     const girih_gltf_mesh *source = &model->contents->meshes[number];
     bool *lacks = calloc((size_t)source->primitive_count + 1, sizeof *lacks);
@@ -392,13 +405,12 @@ static girih_result prepare_mesh(const girih_model *model, uint32_t number, giri
     }
     girih_result result;
     if (lacking != 0 && lacking != source->primitive_count) {
-        result = create_mixed_mesh(model, number, lacks, surface, crease_degrees, mesh, error);
+        result = create_mixed_mesh(model, number, lacks, surface, mesh, error);
     } else {
         girih_joined joined = {0};
         result = join(&joined, model, number, NULL, lacking == 0, error);
         if (result == GIRIH_OK) {
-            result =
-                create_mesh(model, &joined, source->name, surface, crease_degrees, mesh, error);
+            result = create_mesh(model, &joined, source->name, surface, mesh, error);
         }
         free_joined(&joined);
     }
@@ -406,7 +418,7 @@ static girih_result prepare_mesh(const girih_model *model, uint32_t number, giri
     return result;
 }
 
-static girih_result prepare_meshes(girih_model *model, girih_surface surface, float crease_degrees,
+static girih_result prepare_meshes(girih_model *model, const girih_surface_options *surface,
                                    girih_error *error) {
     const girih_gltf_contents *contents = model->contents;
     size_t room = (size_t)contents->mesh_count + 1;
@@ -425,8 +437,8 @@ static girih_result prepare_meshes(girih_model *model, girih_surface surface, fl
         if (indices == 0) {
             continue;
         }
-        girih_result result = prepare_mesh(model, m, surface, crease_degrees,
-                                           &model->meshes[model->mesh_count], error);
+        girih_result result =
+            prepare_mesh(model, m, surface, &model->meshes[model->mesh_count], error);
         if (result != GIRIH_OK) {
             return result;
         }
@@ -440,9 +452,11 @@ static girih_result prepare_meshes(girih_model *model, girih_surface surface, fl
 }
 
 girih_result girih_model_load(girih_model *model, const char *path, girih_model_purpose purpose,
-                              girih_surface surface, float crease_degrees, girih_error *error) {
-    *model = (girih_model){
-        .purpose = purpose, .texcoord_float = GIRIH_MODEL_NONE, .color_float = GIRIH_MODEL_NONE};
+                              const girih_surface_options *surface, girih_error *error) {
+    *model = (girih_model){.purpose = purpose,
+                           .texcoord_float = GIRIH_MODEL_NONE,
+                           .color_float = GIRIH_MODEL_NONE,
+                           .height_float = GIRIH_MODEL_NONE};
     char message[sizeof error->message];
     char name[4096];
     snprintf(name, sizeof name, "%s", path);
@@ -455,7 +469,7 @@ girih_result girih_model_load(girih_model *model, const char *path, girih_model_
     girih_report_progress("preparing meshes");
     girih_result result = GIRIH_OK;
     if (purpose == GIRIH_MODEL_DRAW) {
-        lay_out_drawing(model);
+        lay_out_drawing(model, surface->height_map != NULL);
     } else if (purpose == GIRIH_MODEL_REFINE) {
         result = lay_out_all(model, error);
     }
@@ -463,13 +477,22 @@ girih_result girih_model_load(girih_model *model, const char *path, girih_model_
         result = number_materials(model, error);
     }
     if (result == GIRIH_OK) {
-        result = prepare_meshes(model, surface, crease_degrees, error);
+        result = prepare_meshes(model, surface, error);
     }
     girih_report_progress(NULL);
     if (result != GIRIH_OK) {
         girih_model_free(model);
     }
     return result;
+}
+
+uint32_t girih_model_height_float(const girih_model *model) {
+    for (uint32_t n = 0; n < model->attribute_count; n++) {
+        if (strcmp(model->attributes[n].name, "TEXCOORD_0") == 0) {
+            return model->attributes[n].first;
+        }
+    }
+    return model->height_float;
 }
 
 void girih_model_free_meshes(girih_model *model) {

@@ -4,6 +4,7 @@
 
 #include "gltf.h"
 #include "girih/plan.h"
+#include "options.h"
 
 // What the meshes are prepared for.
 typedef enum girih_model_purpose {
@@ -35,18 +36,28 @@ typedef struct girih_model {
     uint32_t attribute_count; // REFINE
     girih_model_attribute *attributes;
     uint32_t texcoord_float, color_float; // DRAW: where they begin, or GIRIH_MODEL_NONE
-    uint32_t
-        texcoord_floats; // 2; 4 where a normal map has coordinates of its own, behind the others
+    uint32_t height_float;    // DRAW, displaced: where TEXCOORD_0 begins, or GIRIH_MODEL_NONE
+    uint32_t texcoord_floats; // 2; 4 where a normal map has coordinates of its own, behind them
 
     uint32_t material_count;
     int32_t *materials;       // [material_count] DRAW: the glTF material, -1: the default
     uint32_t *first_material; // [contents->mesh_count] REFINE: material of a mesh's first primitive
+
+    float reach; // how far its surface may stray from the points, in the world: for cameras
 } girih_model;
 
 // Loads a file and prepares its meshes; warnings go to standard error. A file without triangles is
 // refused, except for TOPOLOGY. On failure *model is empty, on success girih_model_free takes it.
 girih_result girih_model_load(girih_model *model, const char *path, girih_model_purpose purpose,
-                              girih_surface surface, float crease_degrees, girih_error *error);
+                              const girih_surface_options *surface, girih_error *error);
+
+// A primitive's attribute of this name, or NULL.
+const girih_gltf_attribute *girih_model_find_attribute(const girih_gltf_primitive *primitive,
+                                                       const char *name);
+
+// Where a height map's texture coordinates, TEXCOORD_0, begin in a vertex's attributes;
+// GIRIH_MODEL_NONE where no primitive has any.
+uint32_t girih_model_height_float(const girih_model *model);
 
 // Frees the prepared meshes alone, for when they are on the device and memory is wanted.
 void girih_model_free_meshes(girih_model *model);

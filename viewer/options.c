@@ -10,6 +10,10 @@ enum {
     KEY_EDGE_PIXELS,
     KEY_EDGE_LENGTH,
     KEY_SURFACE,
+    KEY_BASE,
+    KEY_DISPLACE,
+    KEY_HEIGHT,
+    KEY_HEIGHT_ZERO,
     KEY_CREASE,
     KEY_CATALOGUE,
     KEY_CAMERA_POSITION,
@@ -103,6 +107,14 @@ void girih_option_model(struct argp_state *state, const char **model, const char
     *model = text;
 }
 
+void girih_option_surface_on_cpu(struct argp_state *state, const girih_surface_options *surface,
+                                 const girih_device_options *device) {
+    if (device->cpu && surface->file != NULL) {
+        argp_error(state, "--surface: %s is GLSL, which needs a device; leave out --cpu",
+                   surface->file);
+    }
+}
+
 void girih_options_parse(const struct argp *argp, int argc, char **argv, void *input) {
     error_t result = argp_parse(argp, argc, argv, 0, NULL, input);
     if (result != 0) {
@@ -172,17 +184,71 @@ const struct argp girih_level_argp = {level_options, parse_level, NULL, NULL, NU
 
 // --- Surface ---
 
+static bool read_built_in(const char *text, girih_surface *surface) {
+    bool is_flat = strcmp(text, "flat") == 0;
+    if (is_flat || strcmp(text, "pn") == 0) {
+        *surface = is_flat ? GIRIH_SURFACE_FLAT : GIRIH_SURFACE_PN;
+        return true;
+    }
+    return false;
+}
+
+static void read_surface(struct argp_state *state, const char *text,
+                         girih_surface_options *options) {
+    static const char ending[] = ".glsl";
+    size_t size = strlen(text);
+    options->file = NULL;
+    if (!read_built_in(text, &options->surface)) {
+        if (size < sizeof ending || strcmp(text + size - (sizeof ending - 1), ending) != 0) {
+            argp_error(state, "--surface: '%s' is neither flat nor pn nor a .glsl file", text);
+        }
+        options->file = text;
+    }
+}
+
+static void finish_surface(struct argp_state *state, girih_surface_options *options) {
+    if (options->has_base && options->file == NULL) {
+        argp_error(state, "--base: what a .glsl file of --surface stands on; there is none");
+    }
+    if (options->height_map != NULL && !options->has_height) {
+        argp_error(state, "--displace: no --height H to say how high the map goes");
+    }
+    if (options->height_map == NULL && (options->has_height || options->has_height_zero)) {
+        argp_error(state, "--%s: there is no --displace",
+                   options->has_height ? "height" : "height-zero");
+    }
+    if (options->file == NULL) {
+        options->base = options->surface;
+    }
+    if (options->file != NULL || options->height_map != NULL) {
+        options->surface = GIRIH_SURFACE_OWN;
+    }
+}
+
 static error_t parse_surface(int key, char *argument, struct argp_state *state) {
     girih_surface_options *options = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        *options = (girih_surface_options){GIRIH_SURFACE_PN, 60.0f, "dyadic"};
+        *options = (girih_surface_options){.surface = GIRIH_SURFACE_PN,
+                                           .base = GIRIH_SURFACE_PN,
+                                           .crease_degrees = 60.0f,
+                                           .catalogue = "dyadic"};
         return 0;
-    case KEY_SURFACE:
-        if (strcmp(argument, "flat") != 0 && strcmp(argument, "pn") != 0) {
-            argp_error(state, "--surface: '%s' is neither flat nor pn", argument);
+    case KEY_SURFACE: read_surface(state, argument, options); return 0;
+    case KEY_BASE:
+        if (!read_built_in(argument, &options->base)) {
+            argp_error(state, "--base: '%s' is neither flat nor pn", argument);
         }
-        options->surface = argument[0] == 'f' ? GIRIH_SURFACE_FLAT : GIRIH_SURFACE_PN;
+        options->has_base = true;
+        return 0;
+    case KEY_DISPLACE: options->height_map = argument; return 0;
+    case KEY_HEIGHT:
+        options->height = girih_option_number(state, "height", argument);
+        options->has_height = true;
+        return 0;
+    case KEY_HEIGHT_ZERO:
+        options->height_zero = girih_option_number(state, "height-zero", argument);
+        options->has_height_zero = true;
         return 0;
     case KEY_CREASE:
         options->crease_degrees = girih_option_number(state, "crease", argument);
@@ -191,14 +257,24 @@ static error_t parse_surface(int key, char *argument, struct argp_state *state) 
         }
         return 0;
     case KEY_CATALOGUE: options->catalogue = argument; return 0;
+    case ARGP_KEY_END: finish_surface(state, options); return 0;
     default: return ARGP_ERR_UNKNOWN;
     }
 }
 
 static const struct argp_option surface_options[] = {
     {NULL, 0, NULL, 0, "Surface:", 2},
-    {"surface", KEY_SURFACE, "flat|pn", 0,
-     "The triangles as they are, or Curved PN triangles (the default)", 2},
+    {"surface", KEY_SURFACE, "flat|pn|FILE.glsl", 0,
+     "The triangles as they are, Curved PN triangles (the default), or a function of yours: "
+     "vec3 girih_surface(GirihPatch, vec3)",
+     2},
+    {"base", KEY_BASE, "flat|pn", 0, "What the function of --surface FILE.glsl stands on (pn)", 2},
+    {"displace", KEY_DISPLACE, "MAP", 0,
+     "Move the surface along its normal by a height map (PNG or OpenEXR), laid on by TEXCOORD_0, or "
+     "along the axes where a model has none",
+     2},
+    {"height", KEY_HEIGHT, "H", 0, "Mesh units that 1 in the map is high; a PNG has 0 to 1", 2},
+    {"height-zero", KEY_HEIGHT_ZERO, "Z", 0, "Height in the map that moves nothing (0)", 2},
     {"crease", KEY_CREASE, "DEGREES", 0,
      "Where a model has no normals: edges that bend by more than this are hard (60)", 2},
     {"catalogue", KEY_CATALOGUE, "dyadic|linear|FILE", 0,

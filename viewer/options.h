@@ -17,7 +17,12 @@ typedef struct girih_level_options {
 } girih_level_options;
 
 typedef struct girih_surface_options {
-    girih_surface surface;
+    girih_surface surface; // OWN where any of the user's is in it: a file, a height map, or both
+    girih_surface base;    // what an own one stands on
+    const char *file;      // GLSL that defines it, NULL: none
+    const char *height_map;
+    float height, height_zero; // mesh units at 1 in the map; what in the map moves nothing
+    bool has_base, has_height, has_height_zero;
     float crease_degrees;
     const char *catalogue; // "dyadic", "linear" or a file
 } girih_surface_options;
@@ -66,6 +71,10 @@ void girih_option_vector(struct argp_state *state, const char *option, const cha
                          float vector[3]);
 girih_mode_option girih_option_mode(struct argp_state *state, const char *text);
 const char *girih_mode_name(girih_mode mode);
+
+// Refuses a surface in GLSL together with --cpu, which cannot run it; to be called at ARGP_KEY_END.
+void girih_option_surface_on_cpu(struct argp_state *state, const girih_surface_options *surface,
+                                 const girih_device_options *device);
 
 // Takes MODEL at ARGP_KEY_ARG: one and no more.
 void girih_option_model(struct argp_state *state, const char **model, const char *text);

@@ -29,6 +29,9 @@ static shader choose_vertex_shader(const girih_pipelines *pipelines,
     if (!key->instanced) {
         return SHADER(model_buffers);
     }
+    if (key->surface == GIRIH_SURFACE_OWN) {
+        return (shader){pipelines->own->vertex_words, pipelines->own->vertex_bytes};
+    }
     if (pipelines->attribute_floats == 0) {
         return key->surface == GIRIH_SURFACE_PN ? SHADER(model_pn) : SHADER(model_flat);
     }

@@ -34,7 +34,7 @@ typedef struct girih_material_block {
 } girih_material_block;
 
 // Descriptor sets of the picture's pipelines.
-enum { GIRIH_SET_PICTURE = 0, GIRIH_SET_MATERIAL = 1, GIRIH_SET_GIRIH = 2 };
+enum { GIRIH_SET_PICTURE = 0, GIRIH_SET_MATERIAL = 1 }; // then GIRIH_DRAW_SET and on
 
 // What tells one pipeline from another.
 typedef struct girih_pipeline_key {
@@ -53,6 +53,7 @@ typedef struct girih_pipelines {
     VkRenderPass pass;
     VkPipelineLayout layout;
     VkSampleCountFlagBits samples;
+    const girih_own_surface *own; // of GIRIH_SURFACE_OWN
     uint32_t attribute_floats, texcoord_float, texcoord_floats, color_float;
     uint32_t count;
     struct girih_pipeline_entry {

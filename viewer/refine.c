@@ -8,6 +8,7 @@
 #include "frame.h"
 #include "girih/cpu.h"
 #include "output_file.h"
+#include "own_surface.h"
 #include "refinement.h"
 
 typedef struct refine_options {
@@ -58,6 +59,7 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         if (options->output == NULL) {
             argp_error(state, "no -o FILE to write to");
         }
+        girih_option_surface_on_cpu(state, &options->surface, &options->device);
         return 0;
     default: return ARGP_ERR_UNKNOWN;
     }
@@ -84,8 +86,10 @@ static const struct argp refine_argp = {
 
 typedef struct session {
     const refine_options *options;
+    const char *file; // that a failure is about
     girih_catalogue_source catalogue;
     girih_model model;
+    girih_own_surface own; // GIRIH_SURFACE_OWN
     girih_instance *instances;
     uint32_t instance_count;
     girih_frame frame;
@@ -122,6 +126,10 @@ static girih_result refine_on_cpu(session *s, girih_error *error) {
         .surface = s->options->surface.surface,
         .mode = s->options->mode,
         .outputs = GIRIH_OUTPUT_INDICES,
+        .own = girih_displacement_surface,
+        .own_user = &s->own.displacement,
+        .base = s->options->surface.base,
+        .reach = s->own.reach,
     };
     girih_report_progress("refining");
     double start = girih_seconds();
@@ -163,8 +171,8 @@ static girih_result read_output(session *s, girih_device *device, const girih_pl
                                    output->attributes, error);
     }
     if (result == GIRIH_OK) {
-        result = girih_device_read(device, &buffers.indices, triangles * 12, output->indices,
-                                   error);
+        result =
+            girih_device_read(device, &buffers.indices, triangles * 12, output->indices, error);
     }
     return result;
 }
@@ -184,6 +192,11 @@ static girih_result refine_on_device(session *s, girih_error *error) {
         result = girih_refinement_scene(&device, context, s->model.meshes, s->model.mesh_count,
                                         &scene, error);
     }
+    if (result == GIRIH_OK && s->options->surface.surface == GIRIH_SURFACE_OWN) {
+        result = girih_own_surface_upload(&s->own, &device, context, false, error);
+        s->frame.surface_set = s->own.set;
+        s->file = result == GIRIH_OK ? s->file : NULL; // the message names what it is about
+    }
     if (result == GIRIH_OK) {
         girih_refinement_desc desc = {
             .device = &device,
@@ -192,6 +205,7 @@ static girih_result refine_on_device(session *s, girih_error *error) {
             .instances = s->instances,
             .instance_count = s->instance_count,
             .surface = s->options->surface.surface,
+            .program = s->own.program,
             .mode = s->options->mode,
             .outputs = GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_NO_DRAW,
             .vertex_usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
@@ -204,6 +218,7 @@ static girih_result refine_on_device(session *s, girih_error *error) {
         result = read_output(s, &device, refinement.plan, error);
     }
     girih_plan_destroy(refinement.plan);
+    girih_own_surface_remove(&s->own, &device);
     girih_scene_destroy(scene);
     girih_context_destroy(context);
     girih_device_close(&device);
@@ -325,7 +340,7 @@ static girih_result fill_primitive(const session *s, const girih_gltf_primitive 
     for (size_t n = 0; n < index_count; n++) {
         used.vertices[arrays->indices[n]] = from[n];
     }
-    bool has_normals = source->normals != NULL || s->options->surface.surface == GIRIH_SURFACE_PN;
+    bool has_normals = source->normals != NULL || s->options->surface.surface != GIRIH_SURFACE_FLAT;
     arrays->positions = gather_positions(&used);
     arrays->normals = has_normals ? gather_normals(&used) : NULL;
     bool is_short = arrays->positions == NULL || (has_normals && arrays->normals == NULL);
@@ -439,12 +454,16 @@ static girih_result make_model(session *s, girih_error *error) {
     girih_result result =
         girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
     if (result == GIRIH_OK) {
-        result = girih_model_load(&s->model, options->model, GIRIH_MODEL_REFINE,
-                                  options->surface.surface, options->surface.crease_degrees, error);
+        result = girih_model_load(&s->model, options->model, GIRIH_MODEL_REFINE, &options->surface,
+                                  error);
     }
     if (result == GIRIH_OK) {
         warn_of_losses(s);
         result = girih_model_instances(&s->model, false, &s->instances, &s->instance_count, error);
+    }
+    if (result == GIRIH_OK) {
+        result = girih_own_surface_load(&s->own, options->model, &options->surface, &s->model,
+                                        s->instances, s->instance_count, error);
     }
     if (result == GIRIH_OK) {
         result = girih_frame_create(&s->frame, &options->levels, &options->camera, &s->model,
@@ -460,22 +479,22 @@ static girih_result make_model(session *s, girih_error *error) {
 int girih_command_refine(int argc, char **argv) {
     refine_options options = {.mode = GIRIH_MODE_WELDED};
     girih_options_parse(&refine_argp, argc, argv, &options);
-    session s = {.options = &options};
+    session s = {.options = &options, .file = options.model};
     girih_error error = {.result = GIRIH_OK};
-    const char *file = options.model;
     girih_result result = make_model(&s, &error);
     girih_statistics statistics = s.output.statistics;
     if (result == GIRIH_OK) {
         girih_model_free_meshes(&s.model);
         result = write_model(&s, &error);
-        file = options.output;
+        s.file = options.output;
     }
     free_output(&s);
+    girih_own_surface_free(&s.own);
     free(s.instances);
     girih_model_free(&s.model);
     girih_catalogue_source_free(&s.catalogue);
     if (result != GIRIH_OK) {
-        return girih_report_failure(file, error.message);
+        return girih_report_failure(s.file, error.message);
     }
     int code = GIRIH_EXIT_DONE;
     const char *mode = girih_mode_name(options.mode);

@@ -100,6 +100,7 @@ girih_result girih_refinement_run(girih_refinement *refinement, const girih_refi
             .instances = desc->instances,
             .instance_count = desc->instance_count,
             .surface = desc->surface,
+            .program = desc->program,
             .mode = desc->mode,
             .outputs = desc->outputs,
             .max_vertices = (uint32_t)vertices,

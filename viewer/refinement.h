@@ -13,6 +13,7 @@ typedef struct girih_refinement_desc {
     const girih_instance *instances;
     uint32_t instance_count;
     girih_surface surface;
+    const girih_surface_program *program; // GIRIH_SURFACE_OWN
     girih_mode mode;
     uint32_t outputs; // girih_output_bits
     VkBufferUsageFlags vertex_usage, index_usage;

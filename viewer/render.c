@@ -75,6 +75,7 @@ static void check_options(struct argp_state *state, const render_options *option
             state,
             "--shade levels and patterns are drawn in the instanced mode, which --cpu has not");
     }
+    girih_option_surface_on_cpu(state, &options->surface, &options->device);
     if (options->device.cpu && options->mode == GIRIH_MODE_OPTION_INSTANCED) {
         argp_error(state, "--mode instanced evaluates on the device, --cpu does not");
     }
@@ -138,6 +139,7 @@ typedef struct session {
     const char *file; // that a failure is about
     girih_catalogue_source catalogue;
     girih_model model;
+    girih_own_surface own; // GIRIH_SURFACE_OWN
     girih_instance *instances;
     uint32_t instance_count;
     girih_view view;
@@ -208,6 +210,11 @@ static girih_result open_device(session *s, girih_error *error) {
         result = girih_refinement_scene(&s->device, s->context, s->model.meshes,
                                         s->model.mesh_count, &s->scene, error);
     }
+    if (result == GIRIH_OK && s->options->surface.surface == GIRIH_SURFACE_OWN) {
+        result = girih_own_surface_upload(&s->own, &s->device, s->context,
+                                          s->mode == GIRIH_MODE_INSTANCED, error);
+        s->file = result == GIRIH_OK ? s->file : NULL; // the message names what it is about
+    }
     return result;
 }
 
@@ -232,6 +239,10 @@ static girih_result refine_on_cpu(session *s, uint32_t number, girih_surface sur
         .surface = surface,
         .mode = s->mode,
         .outputs = GIRIH_OUTPUT_INDICES,
+        .own = girih_displacement_surface,
+        .own_user = &s->own.displacement,
+        .base = s->options->surface.base,
+        .reach = s->own.reach,
     };
     girih_report_progress("refining");
     double start = girih_seconds();
@@ -271,6 +282,7 @@ static girih_result refine_on_device(session *s, uint32_t number, girih_surface 
         .instances = s->instances,
         .instance_count = s->instance_count,
         .surface = surface,
+        .program = s->own.program,
         .mode = s->mode,
     };
     girih_result result = girih_refinement_run(&s->refinements[number], &desc, frame, error);
@@ -294,6 +306,7 @@ static girih_result add_drawings(session *s, girih_error *error) {
     uint32_t width = options->camera.width;
     uint32_t half = width / 2;
     girih_frame frame = girih_frame_from_options(&options->levels, &s->view);
+    frame.surface_set = s->own.set;
     frame.cull_frustum = 1;
     frame.cull_back = !options->has_back_face_color;
     girih_result result = GIRIH_OK;
@@ -318,6 +331,7 @@ static girih_result draw(session *s, girih_error *error) {
         .context = s->context,
         .catalogue = s->catalogue.catalogue,
         .model = &s->model,
+        .own = &s->own,
         .view = &s->view,
         .width = options->camera.width,
         .height = options->camera.height,
@@ -356,11 +370,15 @@ static girih_result make_picture(session *s, girih_error *error) {
     girih_result result =
         girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
     if (result == GIRIH_OK) {
-        result = girih_model_load(&s->model, options->model, GIRIH_MODEL_DRAW,
-                                  options->surface.surface, options->surface.crease_degrees, error);
+        result =
+            girih_model_load(&s->model, options->model, GIRIH_MODEL_DRAW, &options->surface, error);
     }
     if (result == GIRIH_OK) {
         result = girih_model_instances(&s->model, true, &s->instances, &s->instance_count, error);
+    }
+    if (result == GIRIH_OK) {
+        result = girih_own_surface_load(&s->own, options->model, &options->surface, &s->model,
+                                        s->instances, s->instance_count, error);
     }
     if (result == GIRIH_OK) {
         uint32_t width = options->beside_input ? options->camera.width / 2 : options->camera.width;
@@ -389,10 +407,12 @@ static void close_session(session *s) {
             }
             girih_cpu_output_free(&s->outputs[n]);
         }
+        girih_own_surface_remove(&s->own, &s->device);
         girih_scene_destroy(s->scene);
         girih_context_destroy(s->context);
         girih_device_close(&s->device);
     }
+    girih_own_surface_free(&s->own);
     free(s->instances);
     girih_model_free(&s->model);
     girih_catalogue_source_free(&s->catalogue);

@@ -280,11 +280,13 @@ static girih_result create_layouts(girih_renderer *renderer, girih_error *error)
     if (result != VK_SUCCESS) {
         return girih_vulkan_failure(error, "vkCreateDescriptorSetLayout", result);
     }
-    VkDescriptorSetLayout sets[3] = {renderer->picture_layout, renderer->material_layout,
-                                     VK_NULL_HANDLE};
+    VkDescriptorSetLayout sets[4] = {renderer->picture_layout, renderer->material_layout};
     uint32_t set_count = 2;
     if (renderer->desc.context != NULL) {
         sets[set_count++] = girih_context_draw_set_layout(renderer->desc.context);
+    }
+    if (renderer->desc.own != NULL && renderer->desc.own->layout != VK_NULL_HANDLE) {
+        sets[set_count++] = renderer->desc.own->layout;
     }
     VkPushConstantRange push = {both, 0, sizeof(girih_material_block)};
     VkPipelineLayoutCreateInfo layout = {
@@ -387,6 +389,7 @@ girih_result girih_renderer_create(const girih_renderer_desc *desc, girih_render
     made->desc = *desc;
     made->device = desc->device;
     made->pipelines.device = desc->device->device;
+    made->pipelines.own = desc->own;
     made->pipelines.attribute_floats = desc->model->attribute_floats;
     made->pipelines.texcoord_float = desc->model->texcoord_float;
     made->pipelines.texcoord_floats = desc->model->texcoord_floats;
@@ -510,9 +513,14 @@ static girih_result draw_material(girih_renderer *renderer, const girih_drawing 
     vkCmdPushConstants(commands, renderer->pipelines.layout,
                        VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof block,
                        &block);
+    if (key.instanced && key.surface == GIRIH_SURFACE_OWN &&
+        renderer->desc.own->set != VK_NULL_HANDLE) {
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
+                                renderer->pipelines.layout, GIRIH_DRAW_SURFACE_SET, 1,
+                                &renderer->desc.own->set, 0, NULL);
+    }
     if (drawing->plan != NULL) {
-        girih_cmd_draw(drawing->plan, commands, number, renderer->pipelines.layout,
-                       GIRIH_SET_GIRIH);
+        girih_cmd_draw(drawing->plan, commands, number, renderer->pipelines.layout, GIRIH_DRAW_SET);
         return GIRIH_OK;
     }
     uint32_t first = drawing->material_first[number];

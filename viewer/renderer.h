@@ -4,6 +4,7 @@
 
 #include "camera.h"
 #include "device.h"
+#include "own_surface.h"
 
 typedef enum girih_shade {
     GIRIH_SHADE_LIT,
@@ -16,7 +17,8 @@ typedef struct girih_renderer_desc {
     girih_device *device;
     const girih_context *context;
     const girih_catalogue *catalogue;
-    const girih_model *model; // GIRIH_MODEL_DRAW; must outlive the renderer
+    const girih_model *model;     // GIRIH_MODEL_DRAW; must outlive the renderer
+    const girih_own_surface *own; // NULL: no drawing has a surface of the user's
     const girih_view *view;
     uint32_t width, height;
     girih_shade shade;

@@ -1,0 +1,48 @@
+// The surface of --displace: the base surface, or the user's own, moved along its normal by the height
+// map. The program defines before
+//   HEIGHT_MAP_FLOAT    where the texture coordinates begin in a vertex's attributes; without any,
+//   HEIGHT_MAP_REPEATS  how often the map goes into a mesh unit
+//   HEIGHT_PER_UNIT     mesh units that a difference of 1 in the map comes to
+//   HEIGHT_ZERO         the map's value that moves nothing
+//   UNDISPLACED         the user's function, where there is one
+#include "displace.glsl"
+
+layout(set = GIRIH_SURFACE_SET, binding = 0) uniform sampler2D girih_height_map;
+
+#ifdef UNDISPLACED
+vec3 UNDISPLACED(GirihPatch patch_, vec3 barycentric);
+
+vec3 girih_undisplaced_normal(GirihPatch patch_, vec3 barycentric) {
+    vec3 base[3];
+    vec3 added[3];
+    for (int n = 0; n < 3; ++n) {
+        vec3 near = girih_normal_place(barycentric, n);
+        base[n] = girih_base_position(patch_, near);
+        added[n] = UNDISPLACED(patch_, near) - base[n];
+    }
+    return girih_turned_normal(girih_base_normal(patch_, barycentric), base, added);
+}
+#endif
+
+vec3 girih_surface(GirihPatch patch_, vec3 barycentric) {
+#ifdef UNDISPLACED
+    vec3 point = UNDISPLACED(patch_, barycentric);
+    vec3 normal = girih_undisplaced_normal(patch_, barycentric);
+#else
+    vec3 point = girih_base_position(patch_, barycentric);
+    vec3 normal = girih_base_normal(patch_, barycentric);
+#endif
+#ifdef HEIGHT_MAP_FLOAT
+    float height = girih_height(girih_height_map,
+                                vec2(girih_attribute(patch_, HEIGHT_MAP_FLOAT, barycentric),
+                                     girih_attribute(patch_, HEIGHT_MAP_FLOAT + 1u, barycentric)));
+#else
+    vec3 mesh_position, mesh_normal;
+    girih_mesh_place(patch_, barycentric, mesh_position, mesh_normal);
+    float height =
+        girih_height_by_axes(girih_height_map, mesh_position * HEIGHT_MAP_REPEATS, mesh_normal);
+#endif
+    precise float distance = (height - HEIGHT_ZERO) * HEIGHT_PER_UNIT;
+    precise vec3 displaced = point + girih_displacement(patch_, normal, distance);
+    return displaced;
+}
