@@ -20,11 +20,10 @@ static void write_float(uint32_t *word, float value) {
     *word = value == 0.0f ? 0u : girih_to_word(value);
 }
 
-void girih_pack_transform(uint32_t *record, const float transform[12], const float *previous) {
+static void pack_transform(uint32_t *record, const float transform[12]) {
     double row[3][3];
     for (int n = 0; n < 12; ++n) {
         write_float(record + GIRIH_INSTANCE_TRANSFORM + n, transform[n]);
-        write_float(record + GIRIH_INSTANCE_PREVIOUS + n, previous ? previous[n] : transform[n]);
         if (n % 4 < 3) {
             row[n / 4][n % 4] = (double)transform[n];
         }
@@ -55,6 +54,11 @@ void girih_pack_transform(uint32_t *record, const float transform[12], const flo
     }
     record[GIRIH_INSTANCE_FLAGS] = determinant < 0.0 ? GIRIH_INSTANCE_MIRRORED : 0u;
     write_float(record + GIRIH_INSTANCE_SCALE, (float)cbrt(fabs(determinant)));
+}
+
+void girih_pack_transform(uint32_t *record, const float transform[12], const float *previous) {
+    pack_transform(record, transform);
+    pack_transform(record + GIRIH_INSTANCE_PREVIOUS, previous ? previous : transform);
 }
 
 girih_result girih_check_transform(const float transform[12], uint32_t instance,

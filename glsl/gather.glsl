@@ -14,12 +14,9 @@ GirihPatch girih_gather_patch(uint instance, uint vertices[3], uint edges[3], bo
     for (uint corner = 0u; corner < 3u; ++corner) {
         girih_vertex(vertices[corner], first, p[corner], n[corner]);
     }
-    GirihTransform t =
-        girih_instance_transform(instance, previous ? GIRIH_INSTANCE_PREVIOUS : GIRIH_INSTANCE_TRANSFORM);
-    GirihTransform nt = girih_instance_normal_transform(instance);
-    if (previous) {
-        nt = girih_normal_transform(t);
-    }
+    uint when = previous ? GIRIH_INSTANCE_PREVIOUS : 0u;
+    GirihTransform t = girih_instance_transform(instance, when);
+    GirihTransform nt = girih_instance_normal_transform(instance, when);
     GirihPatch patch_;
     patch_.b300 = girih_transform_point(t, p[0]);
     patch_.b030 = girih_transform_point(t, p[1]);

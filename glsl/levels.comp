@@ -78,7 +78,7 @@ void main() {
     } else {
         precise float distance_squared = frame.near_squared;
         if (rule == GIRIH_LEVELS_LENGTH) {
-            GirihTransform transform = girih_instance_transform(instance, GIRIH_INSTANCE_TRANSFORM);
+            GirihTransform transform = girih_instance_transform(instance, 0u);
             p = girih_transform_point(transform, p);
             q = girih_transform_point(transform, q);
             if (frame.eye.w != 0.0) {

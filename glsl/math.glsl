@@ -43,15 +43,6 @@ vec3 girih_transform_point(GirihTransform t, vec3 p) {
     return result;
 }
 
-// The normals' transform of an affine map: the inverse transpose times |determinant|.
-GirihTransform girih_normal_transform(GirihTransform t) {
-    vec3 row0 = girih_cross(t.row1.xyz, t.row2.xyz);
-    vec3 row1 = girih_cross(t.row2.xyz, t.row0.xyz);
-    vec3 row2 = girih_cross(t.row0.xyz, t.row1.xyz);
-    float turn = girih_dot(t.row0.xyz, row0) < 0.0 ? -1.0 : 1.0;
-    return GirihTransform(vec4(row0 * turn, 0.0), vec4(row1 * turn, 0.0), vec4(row2 * turn, 0.0));
-}
-
 // Only ever used for shading: zero stays zero.
 vec3 girih_normalize(vec3 n) {
     precise float square = girih_dot(n, n);

@@ -207,8 +207,9 @@ GirihPatch girih_own_patch(uint triangle, uint instance, bool previous) {
     patch_.triangle = triangle;
     patch_.instance = instance;
     patch_.material = TRIANGLE_MATERIALS(triangle) & GIRIH_MATERIAL_MASK;
-    patch_.scale = uintBitsToFloat(girih_instance(instance, GIRIH_INSTANCE_SCALE));
-    patch_.mirrored = girih_instance_mirrored(instance);
+    uint when = previous ? GIRIH_INSTANCE_PREVIOUS : 0u;
+    patch_.scale = uintBitsToFloat(girih_instance(instance, GIRIH_INSTANCE_SCALE + when));
+    patch_.mirrored = (girih_instance(instance, GIRIH_INSTANCE_FLAGS + when) & GIRIH_INSTANCE_MIRRORED) != 0u;
     patch_.previous = previous;
     return patch_;
 }

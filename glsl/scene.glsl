@@ -32,18 +32,19 @@ void girih_vertex(uint vertex, uint first, out vec3 position, out vec3 normal) {
     }
 }
 
-// `field`: GIRIH_INSTANCE_TRANSFORM or _PREVIOUS.
-GirihTransform girih_instance_transform(uint instance, uint field) {
+// `when`: 0, or GIRIH_INSTANCE_PREVIOUS.
+GirihTransform girih_instance_transform(uint instance, uint when) {
+    uint field = GIRIH_INSTANCE_TRANSFORM + when;
     return GirihTransform(uintBitsToFloat(girih_instance_four(instance, field)),
                           uintBitsToFloat(girih_instance_four(instance, field + 4u)),
                           uintBitsToFloat(girih_instance_four(instance, field + 8u)));
 }
 
-GirihTransform girih_instance_normal_transform(uint instance) {
-    return GirihTransform(
-        vec4(uintBitsToFloat(girih_instance_four(instance, GIRIH_INSTANCE_NORMAL).xyz), 0.0),
-        vec4(uintBitsToFloat(girih_instance_four(instance, GIRIH_INSTANCE_NORMAL + 4u).xyz), 0.0),
-        vec4(uintBitsToFloat(girih_instance_four(instance, GIRIH_INSTANCE_NORMAL + 8u).xyz), 0.0));
+GirihTransform girih_instance_normal_transform(uint instance, uint when) {
+    uint field = GIRIH_INSTANCE_NORMAL + when;
+    return GirihTransform(vec4(uintBitsToFloat(girih_instance_four(instance, field).xyz), 0.0),
+                          vec4(uintBitsToFloat(girih_instance_four(instance, field + 4u).xyz), 0.0),
+                          vec4(uintBitsToFloat(girih_instance_four(instance, field + 8u).xyz), 0.0));
 }
 
 bool girih_instance_mirrored(uint instance) {

@@ -19,7 +19,7 @@ bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
     }
     precise vec3 centre = (low + high) * 0.5;
     precise vec3 extent = (high - low) * 0.5 + frame.reach;
-    GirihTransform t = girih_instance_transform(instance, GIRIH_INSTANCE_TRANSFORM);
+    GirihTransform t = girih_instance_transform(instance, 0u);
     if ((frame.cull & GIRIH_CULL_FRUSTUM) != 0u) {
         vec3 world = girih_transform_point(t, centre);
         // Bounds |world| of every point of the box and of every sum on the way to it.

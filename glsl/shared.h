@@ -68,22 +68,23 @@
 // Triangles, edges and weld edges of all instances are counted through as the plan's; "first" is the
 // plan's number of an instance's first one, and the one after the last instance closes the last
 // range. Deltas turn a scene number into a plan number by wrapping addition.
-#define GIRIH_INSTANCE_WORDS 48
+#define GIRIH_INSTANCE_WORDS 60
 #define GIRIH_INSTANCE_TRANSFORM 0       // 12 floats: rows of mesh to world
 #define GIRIH_INSTANCE_NORMAL 12         // 3 rows of 3 floats and the next three words: the inverse
                                          // transpose, times |determinant|
 #define GIRIH_INSTANCE_FLAGS 15
 #define GIRIH_INSTANCE_SCALE 19          // float: the cube root of |determinant|
 #define GIRIH_INSTANCE_MESH_TRIANGLE 23  // the mesh's first scene triangle
-#define GIRIH_INSTANCE_PREVIOUS 24       // 12 floats: the transform of the previous frame
-#define GIRIH_INSTANCE_FIRST_TRIANGLE 36
-#define GIRIH_INSTANCE_FIRST_EDGE 37
-#define GIRIH_INSTANCE_FIRST_WELD_EDGE 38
-#define GIRIH_INSTANCE_TRIANGLE_DELTA 40 // plan triangle = scene triangle + delta
-#define GIRIH_INSTANCE_EDGE_DELTA 41     // plan edge = scene edge + delta
-#define GIRIH_INSTANCE_SEAM_DELTA 42     // seam = scene edge + delta
-#define GIRIH_INSTANCE_WELD_DELTA 43     // plan weld edge = scene weld edge + delta
-#define GIRIH_INSTANCE_VERTEX_DELTA 44   // welded output vertex of a corner = scene vertex + delta
+#define GIRIH_INSTANCE_PREVIOUS 24       // words 0 to 22 as they were in the previous frame: what to
+                                         // add to their numbers
+#define GIRIH_INSTANCE_FIRST_TRIANGLE 48
+#define GIRIH_INSTANCE_FIRST_EDGE 49
+#define GIRIH_INSTANCE_FIRST_WELD_EDGE 50
+#define GIRIH_INSTANCE_TRIANGLE_DELTA 52 // plan triangle = scene triangle + delta
+#define GIRIH_INSTANCE_EDGE_DELTA 53     // plan edge = scene edge + delta
+#define GIRIH_INSTANCE_SEAM_DELTA 54     // seam = scene edge + delta
+#define GIRIH_INSTANCE_WELD_DELTA 55     // plan weld edge = scene weld edge + delta
+#define GIRIH_INSTANCE_VERTEX_DELTA 56   // welded output vertex of a corner = scene vertex + delta
 
 #define GIRIH_INSTANCE_MIRRORED 1u       // the transform turns the winding round
 
@@ -167,7 +168,7 @@
     VEC4 planes[6];          /* world, inside where n.p + d >= 0 */ \
     VEC4 eye;                /* w = 1: the eye; w = 0: the direction towards the viewer */ \
     UVEC4 bases[8];          /* first word of each binding's array, where arrays share a buffer */ \
-    UVEC4 only_instance[12]; /* the record of the first instance, for plans that have no other */ \
+    UVEC4 only_instance[15]; /* the record of the first instance, for plans that have no other */ \
     UINT rule; \
     UINT uniform_level; \
     UINT random_segments; \

@@ -44,7 +44,8 @@ typedef struct output {
 
 static void list_outputs(const girih_plan *plan, output outputs[OUTPUTS]) {
     for (uint32_t n = 0; n < OUTPUTS; ++n) {
-        outputs[n] = (output){GIRIH_BIND_OUT_POSITIONS + n, &plan->buffers[GIRIH_PLAN_POSITIONS + n]};
+        outputs[n] =
+            (output){GIRIH_BIND_OUT_POSITIONS + n, &plan->buffers[GIRIH_PLAN_POSITIONS + n]};
     }
 }
 
@@ -141,9 +142,43 @@ gpu_capture gpu_capture_open(gpu *host, const girih_context *context) {
     return capture;
 }
 
+// Which of a capture's pipelines draws a plan.
+enum { FROM_BUFFERS = 2, OWN, OWN_PREVIOUS, PIPELINES };
+
+static int choose_pipeline(const gpu_capture *capture, const girih_plan *plan) {
+    return plan->mode != GIRIH_MODE_INSTANCED   ? FROM_BUFFERS
+           : plan->surface != GIRIH_SURFACE_OWN ? (int)plan->surface
+           : capture->previous                  ? OWN_PREVIOUS
+                                                : OWN;
+}
+
+static void forget_own(gpu_capture *capture) {
+    VkDevice device = capture->gpu->device;
+    for (int n = OWN; n < PIPELINES; ++n) {
+        vkDestroyPipeline(device, capture->pipelines[n], NULL);
+        capture->pipelines[n] = VK_NULL_HANDLE;
+    }
+    vkDestroyPipelineLayout(device, capture->own_layout, NULL);
+    capture->own_layout = VK_NULL_HANDLE;
+}
+
+void gpu_capture_own(gpu_capture *capture, const gpu_own_shader *own) {
+    forget_own(capture);
+    capture->own = *own;
+    const VkDescriptorSetLayout sets[2] = {girih_context_draw_set_layout(capture->context),
+                                           own->layout};
+    const VkPipelineLayoutCreateInfo layout = {.sType =
+                                                   VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                               .setLayoutCount = 2,
+                                               .pSetLayouts = sets};
+    gpu_check(vkCreatePipelineLayout(capture->gpu->device, &layout, NULL, &capture->own_layout),
+              "vkCreatePipelineLayout");
+}
+
 void gpu_capture_close(gpu_capture *capture) {
     VkDevice device = capture->gpu->device;
-    for (int n = 0; n < 3; ++n) {
+    forget_own(capture);
+    for (int n = 0; n < OWN; ++n) {
         vkDestroyPipeline(device, capture->pipelines[n], NULL);
     }
     vkDestroyPipelineLayout(device, capture->layout, NULL);
@@ -155,11 +190,13 @@ void gpu_capture_close(gpu_capture *capture) {
     }
 }
 
-static VkPipeline create_pipeline(const gpu_capture *capture, const girih_plan *plan) {
+static VkPipeline create_pipeline(const gpu_capture *capture, const girih_plan *plan, int which) {
     gpu *host = capture->gpu;
-    const bool buffers = plan->mode != GIRIH_MODE_INSTANCED;
+    const bool buffers = which == FROM_BUFFERS;
     VkShaderModule module =
         buffers ? gpu_shader(host, capture_buffers, sizeof capture_buffers)
+        : which >= OWN
+            ? gpu_shader(host, capture->own.words[which - OWN], capture->own.bytes[which - OWN])
         : plan->surface == GIRIH_SURFACE_PN
             ? gpu_shader(host, capture_instanced_pn, sizeof capture_instanced_pn)
             : gpu_shader(host, capture_instanced_flat, sizeof capture_instanced_flat);
@@ -184,15 +221,15 @@ static VkPipeline create_pipeline(const gpu_capture *capture, const girih_plan *
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
         .rasterizerDiscardEnable = VK_TRUE,
         .lineWidth = 1};
-    const VkGraphicsPipelineCreateInfo info = {.sType =
-                                                   VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                               .stageCount = 1,
-                                               .pStages = &stage,
-                                               .pVertexInputState = &input,
-                                               .pInputAssemblyState = &assembly,
-                                               .pRasterizationState = &rasterization,
-                                               .layout = capture->layout,
-                                               .renderPass = capture->pass};
+    const VkGraphicsPipelineCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+        .stageCount = 1,
+        .pStages = &stage,
+        .pVertexInputState = &input,
+        .pInputAssemblyState = &assembly,
+        .pRasterizationState = &rasterization,
+        .layout = which >= OWN ? capture->own_layout : capture->layout,
+        .renderPass = capture->pass};
     VkPipeline pipeline;
     gpu_check(vkCreateGraphicsPipelines(host->device, VK_NULL_HANDLE, 1, &info, NULL, &pipeline),
               "vkCreateGraphicsPipelines");
@@ -204,22 +241,27 @@ void gpu_record_draw(gpu_capture *capture, const girih_plan *plan, VkCommandBuff
                      uint32_t room) {
     const VkDeviceSize bytes = (VkDeviceSize)(room + 1) * 3 * GPU_CAPTURE_FLOATS * sizeof(float);
     grow(capture->gpu, &capture->corners, bytes, VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_BUFFER_BIT_EXT);
-    VkPipeline *pipeline =
-        &capture->pipelines[plan->mode != GIRIH_MODE_INSTANCED ? 2 : (int)plan->surface];
+    const int which = choose_pipeline(capture, plan);
+    VkPipeline *pipeline = &capture->pipelines[which];
     if (!*pipeline) {
-        *pipeline = create_pipeline(capture, plan);
+        *pipeline = create_pipeline(capture, plan, which);
     }
+    const VkPipelineLayout layout = which >= OWN ? capture->own_layout : capture->layout;
     const VkRenderPassBeginInfo pass = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                         .renderPass = capture->pass,
                                         .framebuffer = capture->framebuffer,
                                         .renderArea = {.extent = {16, 16}}};
     vkCmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, *pipeline);
+    if (which >= OWN) {
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1,
+                                &capture->own.set, 0, NULL);
+    }
     const VkDeviceSize zero = 0;
     capture->bind(commands, 0, 1, &capture->corners.buffer, &zero, &capture->corners.size);
     capture->begin(commands, 0, 0, NULL, NULL);
     for (uint32_t material = 0; material < girih_plan_material_count(plan); ++material) {
-        girih_cmd_draw(plan, commands, material, capture->layout, 0);
+        girih_cmd_draw(plan, commands, material, layout, 0);
     }
     capture->end(commands, 0, 1, &capture->counter.buffer, &zero);
     vkCmdEndRenderPass(commands);

@@ -32,16 +32,29 @@ void gpu_readback_free(gpu *gpu, gpu_readback *readback);
 // Floats of a captured corner: position, normal, and 2 attributes.
 #define GPU_CAPTURE_FLOATS 8
 
-// Pipelines of one context for meshes of 2 attribute floats, made when they are first used.
+// An own surface's vertex shaders (shaders/capture.vert) for the instanced mode: as it is, and with
+// the previous frame's positions; its set is bound as set 1. Words of the caller's.
+typedef struct gpu_own_shader {
+    const uint32_t *words[2];
+    size_t bytes[2];
+    VkDescriptorSetLayout layout;
+    VkDescriptorSet set;
+} gpu_own_shader;
+
+// Pipelines of one context for meshes of 2 attribute floats, made when they are first used. Plans
+// with GIRIH_OUTPUT_PREVIOUS have another vertex input and are not drawn.
 typedef struct gpu_capture {
     gpu *gpu;
     const girih_context *context;
     VkRenderPass pass;
     VkFramebuffer framebuffer;
     VkPipelineLayout layout;
-    VkPipeline pipelines[3]; // instanced flat, instanced PN, from buffers
-    gpu_buffer corners;      // mapped
-    gpu_buffer counter;      // mapped
+    VkPipeline pipelines[5]; // instanced flat, instanced PN, from buffers; instanced own, previous
+    gpu_own_shader own;      // gpu_capture_own
+    VkPipelineLayout own_layout;
+    bool previous;      // own surfaces: the positions captured are the previous frame's
+    gpu_buffer corners; // mapped
+    gpu_buffer counter; // mapped
     PFN_vkCmdBindTransformFeedbackBuffersEXT bind;
     PFN_vkCmdBeginTransformFeedbackEXT begin;
     PFN_vkCmdEndTransformFeedbackEXT end;
@@ -49,6 +62,8 @@ typedef struct gpu_capture {
 
 gpu_capture gpu_capture_open(gpu *gpu, const girih_context *context);
 void gpu_capture_close(gpu_capture *capture);
+// The own surface that instanced plans are drawn with from now on.
+void gpu_capture_own(gpu_capture *capture, const gpu_own_shader *own);
 
 // Refines (unless frame is NULL) and draws all materials in order. Returns the number of triangles;
 // their corners stand in capture->corners.mapped until the next call. `room` is the most triangles

@@ -277,6 +277,44 @@ const girih_mesh *make_seam_sphere(uint32_t columns, uint32_t rows) {
     return finish(&b, "seam sphere", submeshes, 2);
 }
 
+const girih_mesh *make_drum(uint32_t columns, uint32_t rows) {
+    const double turn = 2.0 * acos(-1.0);
+    const uint32_t width = columns + 1;
+    builder b = begin(width * (rows + 1) + 2 * (columns + 1), 2 * columns * (rows + 1));
+    for (uint32_t row = 0; row <= rows; ++row) {
+        for (uint32_t column = 0; column <= columns; ++column) {
+            const double angle = turn * (column % columns) / columns;
+            const float normal[3] = {zero_or(cos(angle), 0), zero_or(sin(angle), 0), 0};
+            const float position[3] = {normal[0], normal[1], (float)(2.0 * row / rows - 1.0)};
+            add_vertex(&b, position, normal, (float)column / (float)columns,
+                       (float)row / (float)rows);
+        }
+    }
+    girih_submesh submeshes[2] = {{.material = 0}, {.material = 1}};
+    for (uint32_t n = 0; n < rows * columns; ++n) {
+        const uint32_t p = n / columns * width + n % columns, q = p + width;
+        add_triangle(&b, p, p + 1, q + 1);
+        add_triangle(&b, p, q + 1, q);
+    }
+    submeshes[0].index_count = submeshes[1].first_index = b.index_count;
+    for (uint32_t top = 0; top < 2; ++top) {
+        const float side = top ? 1.0f : -1.0f;
+        const float normal[3] = {0, 0, side};
+        const uint32_t middle = add_vertex(&b, normal, normal, 0.5f, 0.5f);
+        for (uint32_t column = 0; column < columns; ++column) {
+            const float *rim = b.positions + 3 * (size_t)column;
+            const float position[3] = {rim[0], rim[1], side};
+            add_vertex(&b, position, normal, rim[0], rim[1]);
+        }
+        for (uint32_t column = 0; column < columns; ++column) {
+            const uint32_t p = middle + 1 + column, q = middle + 1 + (column + 1) % columns;
+            add_triangle(&b, middle, top ? p : q, top ? q : p);
+        }
+    }
+    submeshes[1].index_count = b.index_count - submeshes[1].first_index;
+    return finish(&b, "drum", submeshes, 2);
+}
+
 // Whether a triangle with these three vertices is there, whatever its winding.
 static int has_triangle(const builder *b, const uint32_t v[3]) {
     for (uint32_t n = 0; n < b->index_count; n += 3) {

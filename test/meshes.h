@@ -28,6 +28,11 @@ const girih_mesh *make_cube(int hard);
 // material 2.
 const girih_mesh *make_seam_sphere(uint32_t columns, uint32_t rows);
 
+// Closed drum around the z axis, from z = -1 to 1, of 2 * columns * (rows + 1) triangles: the side
+// has a UV seam, its vertices stored twice with equal normals, and meets the lids, a second submesh
+// with material 1, at hard edges.
+const girih_mesh *make_drum(uint32_t columns, uint32_t rows);
+
 // Triangles between random points with random normals: open, non-manifold and flipped edges, and
 // three submeshes; no two triangles have the same three points. With `points` 0 every triangle has
 // three points of its own.

@@ -108,7 +108,7 @@ static girih_result compile(const girih_own_surface *surface, girih_shader_stage
     bool is_displaced = options->height_map != NULL;
     bool is_bake = stage == GIRIH_SHADER_COMPUTE;
     char kind[200];
-    char displaced[400] = "";
+    char displaced[600] = "";
     char place[100];
     if (is_bake) {
         snprintf(kind, sizeof kind, "#define GIRIH_BAKE\n%s#include \"girih.glsl\"\n",
@@ -131,8 +131,11 @@ static girih_result compile(const girih_own_surface *surface, girih_shader_stage
         snprintf(displaced, sizeof displaced,
                  "%s#define HEIGHT_PER_UNIT uintBitsToFloat(0x%08xu)\n"
                  "#define HEIGHT_ZERO uintBitsToFloat(0x%08xu)\n"
+                 "#define HEIGHT_LOW uintBitsToFloat(0x%08xu)\n"
+                 "#define HEIGHT_HIGH uintBitsToFloat(0x%08xu)\n"
                  "#include \"displaced.glsl\"\n",
-                 place, bits_of(displacement->per_unit), bits_of(displacement->zero));
+                 place, bits_of(displacement->per_unit), bits_of(displacement->zero),
+                 bits_of(displacement->map.minimum), bits_of(displacement->map.maximum));
     }
     // Displaced, the user's function is not the surface itself and goes by another name.
     const char *file = options->file == NULL ? ""
@@ -141,7 +144,7 @@ static girih_result compile(const girih_own_surface *surface, girih_shader_stage
                              "#include \"" GIRIH_SHADER_USER_FILE "\"\n"
                              "#undef girih_surface\n#define UNDISPLACED girih_undisplaced\n"
                            : "#include \"" GIRIH_SHADER_USER_FILE "\"\n";
-    char source[1200];
+    char source[1500];
     snprintf(source, sizeof source,
              "#version 450\n#extension GL_GOOGLE_include_directive : require\n"
              "#define GIRIH_BASE %d\n%s%s%s",
