@@ -38,6 +38,11 @@ static void read_limits(girih_context *context, const girih_context_desc *desc) 
     context->vk.GetPhysicalDeviceProperties2(context->physical_device, &properties);
     context->vk.GetPhysicalDeviceMemoryProperties(context->physical_device, &context->memory);
     context->limits = properties.properties.limits;
+    // Without the feature indices reach no further, whatever the limit says of the device.
+    if (!context->features.fullDrawIndexUint32 &&
+        context->limits.maxDrawIndexedIndexValue > (1u << 24) - 1) {
+        context->limits.maxDrawIndexedIndexValue = (1u << 24) - 1;
+    }
     context->max_allocation = maintenance.maxMemoryAllocationSize;
     context->serial_sort = desc->sort == GIRIH_SORT_SERIAL ||
                            (desc->sort == GIRIH_SORT_AUTO &&
@@ -344,6 +349,9 @@ girih_result girih_context_create(const girih_context_desc *desc, girih_context 
 
 void girih_cmd_upload_context(const girih_context *context, VkCommandBuffer commands) {
     const girih_buffer *staging = &context->staging;
+    if (!staging->buffer) {
+        return; // trimmed: it has been uploaded
+    }
     const girih_buffer *patterns = &context->patterns;
     const girih_buffer *indices = &context->indices;
     const VkBufferCopy pattern_copy = {
@@ -358,6 +366,10 @@ void girih_cmd_upload_context(const girih_context *context, VkCommandBuffer comm
                       VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
                   VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT |
                       VK_ACCESS_INDEX_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT);
+}
+
+void girih_context_trim(girih_context *context) {
+    girih_buffer_destroy(context, &context->staging);
 }
 
 void girih_context_destroy(girih_context *context) {

@@ -2,7 +2,7 @@
 //
 // Where the device offers enough storage buffers a stage, each array has a binding of its own. With
 // the four that core Vulkan promises (GIRIH_FEW_BUFFERS), the scene's and the catalogue's arrays share
-// one binding, the plan's share another, and frame.bases tells where each begins. A host's vertex
+// one binding, the plan's share another, and girih_frame.bases tells where each begins. A host's vertex
 // shader (GIRIH_VERTEX) always reads them like that.
 #ifndef GIRIH_ARRAYS_GLSL
 #define GIRIH_ARRAYS_GLSL
@@ -19,7 +19,7 @@
 
 layout(std140, set = GIRIH_SET, binding = GIRIH_BIND_FRAME) uniform GirihFrame {
     GIRIH_FRAME_BLOCK(vec4, uvec4, uint, float)
-} frame;
+} girih_frame;
 
 #ifdef GIRIH_VERTEX
 
@@ -27,7 +27,7 @@ layout(std140, set = GIRIH_SET, binding = GIRIH_BIND_FRAME) uniform GirihFrame {
 
 // The host's specialization constants are its own.
 bool girih_has(uint variant) {
-    return (frame.variant & variant) != 0u;
+    return (girih_frame.variant & variant) != 0u;
 }
 
 #else
@@ -42,7 +42,7 @@ layout(local_size_x = GIRIH_LOCAL_SIZE) in;
 
 layout(push_constant) uniform GirihPush {
     layout(offset = GIRIH_PUSH_OFFSET) GIRIH_PUSH_BLOCK(uint)
-} push;
+} girih_push;
 
 layout(constant_id = 0) const uint girih_variant = 0xffffffffu;
 
@@ -53,9 +53,9 @@ bool girih_has(uint variant) {
 #endif
 
 #if defined(GIRIH_FEW_BUFFERS) || defined(GIRIH_VERTEX)
-#define GIRIH_AT(BINDING, INDEX) [frame.bases[BINDING >> 2][BINDING & 3] + (INDEX)]
-#define GIRIH_AT_PAIR(BINDING, INDEX) [frame.bases[BINDING >> 2][BINDING & 3] / 2u + (INDEX)]
-#define GIRIH_AT_FOUR(BINDING, INDEX) [frame.bases[BINDING >> 2][BINDING & 3] / 4u + (INDEX)]
+#define GIRIH_AT(BINDING, INDEX) [girih_frame.bases[BINDING >> 2][BINDING & 3] + (INDEX)]
+#define GIRIH_AT_PAIR(BINDING, INDEX) [girih_frame.bases[BINDING >> 2][BINDING & 3] / 2u + (INDEX)]
+#define GIRIH_AT_FOUR(BINDING, INDEX) [girih_frame.bases[BINDING >> 2][BINDING & 3] / 4u + (INDEX)]
 #define GIRIH_SCENE_BINDING(BINDING) GIRIH_BIND_SHARED_SCENE
 #define GIRIH_PLAN_BINDING(BINDING) GIRIH_BIND_SHARED_PLAN
 #define GIRIH_OUTPUT_BINDING(BINDING) BINDING
@@ -94,26 +94,26 @@ GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_POINTS, GirihPoints, girih_poin
 GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_EDGES, GirihEdges, girih_edges)
 GIRIH_FOUR_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_INSTANCES, GirihInstances, girih_instances)
 
-#define VERTEX_PAIRS(I) girih_vertices GIRIH_AT_PAIR(GIRIH_BIND_VERTICES, I)
-#define ATTRIBUTES(I) girih_attributes GIRIH_AT(GIRIH_BIND_ATTRIBUTES, I)
-#define TRIANGLE_VERTICES(I) girih_triangle_vertices GIRIH_AT(GIRIH_BIND_TRIANGLE_VERTICES, I)
-#define TRIANGLE_EDGES(I) girih_triangle_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_EDGES, I)
-#define TRIANGLE_MATERIALS(I) girih_triangle_materials GIRIH_AT(GIRIH_BIND_TRIANGLE_MATERIALS, I)
-#define SEAMS(I) girih_seams GIRIH_AT(GIRIH_BIND_SEAMS, I)
-#define TRIANGLE_WELD_EDGES(I) girih_triangle_weld_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_WELD_EDGES, I)
-#define WELD_EDGE_EDGES(I) girih_weld_edges GIRIH_AT_PAIR(GIRIH_BIND_WELD_EDGES, I).x
-#define WELD_EDGE_OWNERS(I) girih_weld_edges GIRIH_AT_PAIR(GIRIH_BIND_WELD_EDGES, I).y
-#define WELD_POINTS(I) girih_points GIRIH_AT_PAIR(GIRIH_BIND_POINTS, I).x
-#define VERTEX_OWNERS(I) girih_points GIRIH_AT_PAIR(GIRIH_BIND_POINTS, I).y
-#define EDGE_WELD_EDGES(I) girih_edges GIRIH_AT_PAIR(GIRIH_BIND_EDGES, I).x
-#define EDGE_OWNERS(I) girih_edges GIRIH_AT_PAIR(GIRIH_BIND_EDGES, I).y
-#define INSTANCE_FOURS(I) girih_instances GIRIH_AT_FOUR(GIRIH_BIND_INSTANCES, I)
+#define GIRIH_AT_VERTEX_PAIRS(I) girih_vertices GIRIH_AT_PAIR(GIRIH_BIND_VERTICES, I)
+#define GIRIH_AT_ATTRIBUTES(I) girih_attributes GIRIH_AT(GIRIH_BIND_ATTRIBUTES, I)
+#define GIRIH_AT_TRIANGLE_VERTICES(I) girih_triangle_vertices GIRIH_AT(GIRIH_BIND_TRIANGLE_VERTICES, I)
+#define GIRIH_AT_TRIANGLE_EDGES(I) girih_triangle_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_EDGES, I)
+#define GIRIH_AT_TRIANGLE_MATERIALS(I) girih_triangle_materials GIRIH_AT(GIRIH_BIND_TRIANGLE_MATERIALS, I)
+#define GIRIH_AT_SEAMS(I) girih_seams GIRIH_AT(GIRIH_BIND_SEAMS, I)
+#define GIRIH_AT_TRIANGLE_WELD_EDGES(I) girih_triangle_weld_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_WELD_EDGES, I)
+#define GIRIH_AT_WELD_EDGE_EDGES(I) girih_weld_edges GIRIH_AT_PAIR(GIRIH_BIND_WELD_EDGES, I).x
+#define GIRIH_AT_WELD_EDGE_OWNERS(I) girih_weld_edges GIRIH_AT_PAIR(GIRIH_BIND_WELD_EDGES, I).y
+#define GIRIH_AT_WELD_POINTS(I) girih_points GIRIH_AT_PAIR(GIRIH_BIND_POINTS, I).x
+#define GIRIH_AT_VERTEX_OWNERS(I) girih_points GIRIH_AT_PAIR(GIRIH_BIND_POINTS, I).y
+#define GIRIH_AT_EDGE_WELD_EDGES(I) girih_edges GIRIH_AT_PAIR(GIRIH_BIND_EDGES, I).x
+#define GIRIH_AT_EDGE_OWNERS(I) girih_edges GIRIH_AT_PAIR(GIRIH_BIND_EDGES, I).y
+#define GIRIH_AT_INSTANCE_FOURS(I) girih_instances GIRIH_AT_FOUR(GIRIH_BIND_INSTANCES, I)
 
 uvec4 girih_instance_four(uint instance, uint field) {
     if (!girih_has(GIRIH_VARIANT_INSTANCES)) {
-        return frame.only_instance[field >> 2];
+        return girih_frame.only_instance[field >> 2];
     }
-    return INSTANCE_FOURS(instance * (GIRIH_INSTANCE_WORDS / 4) + (field >> 2));
+    return GIRIH_AT_INSTANCE_FOURS(instance * (GIRIH_INSTANCE_WORDS / 4) + (field >> 2));
 }
 
 uint girih_instance(uint instance, uint field) {
@@ -143,35 +143,35 @@ GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_INDICES, GirihOutIndices, girih_o
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_CLOSED_INDICES, GirihOutClosedIndices, girih_out_closed_indices)
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, girih_out_sources)
 
-#define EDGE_POINTS(I) girih_edge_points GIRIH_AT_PAIR(GIRIH_BIND_EDGE_POINTS, I)
-#define PATTERNS(I) girih_patterns GIRIH_AT(GIRIH_BIND_PATTERNS, I)
-#define PATTERN_VERTICES(I) girih_pattern_vertices GIRIH_AT(GIRIH_BIND_PATTERN_VERTICES, I)
-#define PATTERN_INDICES(I) girih_pattern_indices GIRIH_AT(GIRIH_BIND_PATTERN_INDICES, I)
-#define BLOCKS(I) girih_blocks GIRIH_AT(GIRIH_BIND_BLOCKS, I)
-#define LEVELS(I) girih_levels GIRIH_AT(GIRIH_BIND_LEVELS, I)
-#define KEYS(I) girih_keys GIRIH_AT(GIRIH_BIND_KEYS, I)
-#define ITEMS(I) girih_items GIRIH_AT_PAIR(GIRIH_BIND_ITEMS, I)
-#define ITEMS_SPARE(I) girih_items_spare GIRIH_AT_PAIR(GIRIH_BIND_ITEMS_SPARE, I)
-#define COUNTERS(I) girih_counters GIRIH_AT(GIRIH_BIND_COUNTERS, I)
-#define GROUPS(I) girih_groups GIRIH_AT(GIRIH_BIND_GROUPS, I)
-#define GROUP_FOURS(I) girih_group_fours GIRIH_AT_FOUR(GIRIH_BIND_GROUPS, I)
-#define STATUS(I) girih_status GIRIH_AT(GIRIH_BIND_STATUS, I)
-#define DRAWS(I) girih_draws GIRIH_AT(GIRIH_BIND_DRAWS, I)
-#define WELD_OFFSETS(I) girih_weld_offsets GIRIH_AT(GIRIH_BIND_WELD_OFFSETS, I)
-#define OUT_POSITIONS(I) girih_out_positions[I]
-#define OUT_ATTRIBUTES(I) girih_out_attributes[I]
-#define OUT_INDICES(I) girih_out_indices[I]
-#define OUT_CLOSED_INDICES(I) girih_out_closed_indices[I]
-#define OUT_SOURCES(I) girih_out_sources[I]
+#define GIRIH_AT_EDGE_POINTS(I) girih_edge_points GIRIH_AT_PAIR(GIRIH_BIND_EDGE_POINTS, I)
+#define GIRIH_AT_PATTERNS(I) girih_patterns GIRIH_AT(GIRIH_BIND_PATTERNS, I)
+#define GIRIH_AT_PATTERN_VERTICES(I) girih_pattern_vertices GIRIH_AT(GIRIH_BIND_PATTERN_VERTICES, I)
+#define GIRIH_AT_PATTERN_INDICES(I) girih_pattern_indices GIRIH_AT(GIRIH_BIND_PATTERN_INDICES, I)
+#define GIRIH_AT_BLOCKS(I) girih_blocks GIRIH_AT(GIRIH_BIND_BLOCKS, I)
+#define GIRIH_AT_LEVELS(I) girih_levels GIRIH_AT(GIRIH_BIND_LEVELS, I)
+#define GIRIH_AT_KEYS(I) girih_keys GIRIH_AT(GIRIH_BIND_KEYS, I)
+#define GIRIH_AT_ITEMS(I) girih_items GIRIH_AT_PAIR(GIRIH_BIND_ITEMS, I)
+#define GIRIH_AT_ITEMS_SPARE(I) girih_items_spare GIRIH_AT_PAIR(GIRIH_BIND_ITEMS_SPARE, I)
+#define GIRIH_AT_COUNTERS(I) girih_counters GIRIH_AT(GIRIH_BIND_COUNTERS, I)
+#define GIRIH_AT_GROUPS(I) girih_groups GIRIH_AT(GIRIH_BIND_GROUPS, I)
+#define GIRIH_AT_GROUP_FOURS(I) girih_group_fours GIRIH_AT_FOUR(GIRIH_BIND_GROUPS, I)
+#define GIRIH_AT_STATUS(I) girih_status GIRIH_AT(GIRIH_BIND_STATUS, I)
+#define GIRIH_AT_DRAWS(I) girih_draws GIRIH_AT(GIRIH_BIND_DRAWS, I)
+#define GIRIH_AT_WELD_OFFSETS(I) girih_weld_offsets GIRIH_AT(GIRIH_BIND_WELD_OFFSETS, I)
+#define GIRIH_AT_OUT_POSITIONS(I) girih_out_positions[I]
+#define GIRIH_AT_OUT_ATTRIBUTES(I) girih_out_attributes[I]
+#define GIRIH_AT_OUT_INDICES(I) girih_out_indices[I]
+#define GIRIH_AT_OUT_CLOSED_INDICES(I) girih_out_closed_indices[I]
+#define GIRIH_AT_OUT_SOURCES(I) girih_out_sources[I]
 
 // Word `field` of a rank's pattern.
 uint girih_pattern(uint rank, uint field) {
-    return PATTERNS(rank * GIRIH_PATTERN_WORDS + field);
+    return GIRIH_AT_PATTERNS(rank * GIRIH_PATTERN_WORDS + field);
 }
 
 // The rank of a range.
 uint girih_range_rank(uint range) {
-    return PATTERNS(frame.pattern_count * GIRIH_PATTERN_WORDS + range);
+    return GIRIH_AT_PATTERNS(girih_frame.pattern_count * GIRIH_PATTERN_WORDS + range);
 }
 
 // The instance that the plan's triangle, edge or weld edge `number` belongs to: `first` is the field
@@ -180,7 +180,7 @@ uint girih_find_instance(uint number, uint first, uint blocks) {
     if (!girih_has(GIRIH_VARIANT_INSTANCES)) {
         return 0u;
     }
-    uint instance = BLOCKS(blocks + number / GIRIH_BLOCK);
+    uint instance = GIRIH_AT_BLOCKS(blocks + number / GIRIH_BLOCK);
     while (girih_instance(instance + 1u, first) <= number) {
         ++instance;
     }

@@ -6,9 +6,9 @@
 #include "surfaces.glsl"
 
 // `edges` are the words of TRIANGLE_EDGES of the edges 12, 23, 31 of `vertices`, with their reversal
-// relative to these directions. `previous`: as it was in the previous frame.
+// relative to these directions. `previous`: as it was in the previous girih_frame.
 GirihPatch girih_gather_patch(uint instance, uint vertices[3], uint edges[3], bool previous) {
-    uint first = previous ? frame.previous_vertices : 0u;
+    uint first = previous ? girih_frame.previous_vertices : 0u;
     vec3 p[3];
     vec3 n[3];
     for (uint corner = 0u; corner < 3u; ++corner) {

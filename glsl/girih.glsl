@@ -78,20 +78,24 @@ layout(location = 1) in uvec4 girih_record; // scene triangle, instance, key, ba
 GirihPoint girih_point() {
     uvec3 weights = girih_input_weights(girih_record.z & 7u, girih_pattern_weights());
     GirihPlaces places = girih_find_places(girih_record.x, weights);
-    GirihPatch patch_ = girih_own_patch(places.position.triangle, girih_record.y, false);
-    vec3 b = girih_barycentric(places.position.weights);
     GirihPoint point;
-    point.position = girih_own_position(patch_, b);
-    point.normal = girih_own_normal(patch_, b);
-    if (!places.smooth_) {
-        point.normal = girih_own_normal(girih_own_patch(places.normal.triangle, girih_record.y, false),
-                                        girih_barycentric(places.normal.weights));
+    for (uint turn = 0u; turn < (places.smooth_ ? 1u : 2u); ++turn) {
+        GirihPlace place = places.position;
+        if (turn == 1u) {
+            place = places.normal;
+        }
+        GirihPatch patch_ = girih_own_patch(place.triangle, girih_record.y, false);
+        vec3 position;
+        girih_own_sample(patch_, girih_barycentric(place.weights), position, point.normal);
+        if (turn == 0u) {
+            point.position = position;
+        }
     }
     point.key = girih_record.z;
     // Attributes are permuted as the library's own surfaces permute them: sums round by their order.
     uint corners = GIRIH_LAMBDA_CORNERS(girih_record.z & 7u);
     for (uint n = 0u; n < 3u; ++n) {
-        point.vertices[n] = TRIANGLE_VERTICES(3u * girih_record.x + (corners >> (2u * n) & 3u));
+        point.vertices[n] = GIRIH_AT_TRIANGLE_VERTICES(3u * girih_record.x + (corners >> (2u * n) & 3u));
     }
     point.barycentric = girih_barycentric(girih_pattern_weights());
     return point;
@@ -100,11 +104,12 @@ GirihPoint girih_point() {
 vec3 girih_previous_position() {
     uvec3 weights = girih_input_weights(girih_record.z & 7u, girih_pattern_weights());
     GirihPlace place = girih_find_places(girih_record.x, weights).position;
-    return girih_own_position(girih_own_patch(place.triangle, girih_record.y, true), girih_barycentric(place.weights));
+    GirihPatch patch_ = girih_own_patch(place.triangle, girih_record.y, true);
+    return girih_no_negative_zero(girih_surface(patch_, girih_barycentric(place.weights)));
 }
 
 float girih_draw_attribute(uint vertex, uint n, uint attribute_floats) {
-    return uintBitsToFloat(ATTRIBUTES(vertex * attribute_floats + n));
+    return uintBitsToFloat(GIRIH_AT_ATTRIBUTES(vertex * attribute_floats + n));
 }
 
 #else

@@ -21,55 +21,55 @@
 const uint lanes = gl_WorkGroupSize.x;
 
 uint key_count() {
-    return push.first_pass != 0u ? frame.triangle_count : STATUS(GIRIH_STATUS_ITEMS);
+    return girih_push.first_pass != 0u ? girih_frame.triangle_count : GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
 }
 
 uint read_key(uint n) {
-    if (push.first_pass != 0u) {
-        return KEYS(n);
+    if (girih_push.first_pass != 0u) {
+        return GIRIH_AT_KEYS(n);
     }
-    return push.to_spare != 0u ? ITEMS(n)[GIRIH_ITEM_KEY] : ITEMS_SPARE(n)[GIRIH_ITEM_KEY];
+    return girih_push.to_spare != 0u ? GIRIH_AT_ITEMS(n)[GIRIH_ITEM_KEY] : GIRIH_AT_ITEMS_SPARE(n)[GIRIH_ITEM_KEY];
 }
 
 uint digit_of(uint key) {
-    return ((key >> 3) >> push.shift) & (push.bins - 1u);
+    return ((key >> 3) >> girih_push.shift) & (girih_push.bins - 1u);
 }
 
 void place(uint n, uint key, uint target) {
     uvec2 item;
     item[GIRIH_ITEM_TRIANGLE] = n;
-    if (push.first_pass == 0u) {
-        item = push.to_spare != 0u ? ITEMS(n) : ITEMS_SPARE(n);
+    if (girih_push.first_pass == 0u) {
+        item = girih_push.to_spare != 0u ? GIRIH_AT_ITEMS(n) : GIRIH_AT_ITEMS_SPARE(n);
     }
     item[GIRIH_ITEM_KEY] = key;
-    if (push.to_spare != 0u) {
-        ITEMS_SPARE(target) = item;
+    if (girih_push.to_spare != 0u) {
+        GIRIH_AT_ITEMS_SPARE(target) = item;
     } else {
-        ITEMS(target) = item;
+        GIRIH_AT_ITEMS(target) = item;
     }
 }
 
 // COUNTERS: a row of `bins` counters for every block, then a row of the digits' totals.
 uint counter_word(uint block, uint digit) {
-    return block * push.bins + digit;
+    return block * girih_push.bins + digit;
 }
 
 #if GIRIH_KERNEL == 0 && defined(GIRIH_SERIAL)
 
 void main() {
     uint block = girih_invocation();
-    if (block >= frame.sort_block_count) {
+    if (block >= girih_frame.sort_block_count) {
         return;
     }
-    for (uint digit = 0u; digit < push.bins; ++digit) {
-        COUNTERS(counter_word(block, digit)) = 0u;
+    for (uint digit = 0u; digit < girih_push.bins; ++digit) {
+        GIRIH_AT_COUNTERS(counter_word(block, digit)) = 0u;
     }
-    uint end = min((block + 1u) * frame.sort_block, key_count());
-    for (uint n = block * frame.sort_block; n < end; ++n) {
+    uint end = min((block + 1u) * girih_frame.sort_block, key_count());
+    for (uint n = block * girih_frame.sort_block; n < end; ++n) {
         uint key = read_key(n);
         if (key != GIRIH_KEY_CULLED) {
             uint word = counter_word(block, digit_of(key));
-            COUNTERS(word) = COUNTERS(word) + 1u;
+            GIRIH_AT_COUNTERS(word) = GIRIH_AT_COUNTERS(word) + 1u;
         }
     }
 }
@@ -81,23 +81,23 @@ shared uint counts[GIRIH_MAX_BINS];
 void main() {
     uint block = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     uint lane = gl_LocalInvocationID.x;
-    if (block >= frame.sort_block_count) {
+    if (block >= girih_frame.sort_block_count) {
         return;
     }
-    for (uint digit = lane; digit < push.bins; digit += lanes) {
+    for (uint digit = lane; digit < girih_push.bins; digit += lanes) {
         counts[digit] = 0u;
     }
     barrier();
-    uint end = min((block + 1u) * frame.sort_block, key_count());
-    for (uint n = block * frame.sort_block + lane; n < end; n += lanes) {
+    uint end = min((block + 1u) * girih_frame.sort_block, key_count());
+    for (uint n = block * girih_frame.sort_block + lane; n < end; n += lanes) {
         uint key = read_key(n);
         if (key != GIRIH_KEY_CULLED) {
             atomicAdd(counts[digit_of(key)], 1u);
         }
     }
     barrier();
-    for (uint digit = lane; digit < push.bins; digit += lanes) {
-        COUNTERS(counter_word(block, digit)) = counts[digit];
+    for (uint digit = lane; digit < girih_push.bins; digit += lanes) {
+        GIRIH_AT_COUNTERS(counter_word(block, digit)) = counts[digit];
     }
 }
 
@@ -105,21 +105,21 @@ void main() {
 
 void main() {
     uint digit = girih_invocation();
-    if (digit >= push.bins) {
+    if (digit >= girih_push.bins) {
         return;
     }
     uint sum = 0u;
     // Two loops, because lavapipe ends a shader's loop after 65,535 turns.
-    for (uint first = 0u; first < frame.sort_block_count; first += 32768u) {
-        uint end = min(first + 32768u, frame.sort_block_count);
+    for (uint first = 0u; first < girih_frame.sort_block_count; first += 32768u) {
+        uint end = min(first + 32768u, girih_frame.sort_block_count);
         for (uint block = first; block < end; ++block) {
             uint word = counter_word(block, digit);
-            uint count = COUNTERS(word);
-            COUNTERS(word) = sum;
+            uint count = GIRIH_AT_COUNTERS(word);
+            GIRIH_AT_COUNTERS(word) = sum;
             sum += count;
         }
     }
-    COUNTERS(counter_word(frame.sort_block_count, digit)) = sum;
+    GIRIH_AT_COUNTERS(counter_word(girih_frame.sort_block_count, digit)) = sum;
 }
 
 #elif GIRIH_KERNEL == 1
@@ -130,9 +130,9 @@ void main() {
     uint digit = gl_WorkGroupID.x;
     uint lane = gl_LocalInvocationID.x;
     uint total = 0u;
-    for (uint first = 0u; first < frame.sort_block_count; first += lanes) {
+    for (uint first = 0u; first < girih_frame.sort_block_count; first += lanes) {
         uint block = first + lane;
-        uint count = block < frame.sort_block_count ? COUNTERS(counter_word(block, digit)) : 0u;
+        uint count = block < girih_frame.sort_block_count ? GIRIH_AT_COUNTERS(counter_word(block, digit)) : 0u;
         sums[lane] = count;
         barrier();
         for (uint step = 1u; step < lanes; step *= 2u) {
@@ -141,14 +141,14 @@ void main() {
             sums[lane] += before;
             barrier();
         }
-        if (block < frame.sort_block_count) {
-            COUNTERS(counter_word(block, digit)) = total + sums[lane] - count;
+        if (block < girih_frame.sort_block_count) {
+            GIRIH_AT_COUNTERS(counter_word(block, digit)) = total + sums[lane] - count;
         }
         total += sums[lanes - 1u];
         barrier();
     }
     if (lane == 0u) {
-        COUNTERS(counter_word(frame.sort_block_count, digit)) = total;
+        GIRIH_AT_COUNTERS(counter_word(girih_frame.sort_block_count, digit)) = total;
     }
 }
 
@@ -160,31 +160,31 @@ void main() {
         return;
     }
     uint sum = 0u;
-    for (uint digit = 0u; digit < push.bins; ++digit) {
-        uint word = counter_word(frame.sort_block_count, digit);
-        uint count = COUNTERS(word);
-        COUNTERS(word) = sum;
+    for (uint digit = 0u; digit < girih_push.bins; ++digit) {
+        uint word = counter_word(girih_frame.sort_block_count, digit);
+        uint count = GIRIH_AT_COUNTERS(word);
+        GIRIH_AT_COUNTERS(word) = sum;
         sum += count;
     }
-    STATUS(GIRIH_STATUS_ITEMS) = sum;
+    GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS) = sum;
 }
 
 #elif GIRIH_KERNEL == 3 && defined(GIRIH_SERIAL)
 
 void main() {
     uint block = girih_invocation();
-    if (block >= frame.sort_block_count) {
+    if (block >= girih_frame.sort_block_count) {
         return;
     }
-    uint end = min((block + 1u) * frame.sort_block, key_count());
-    for (uint n = block * frame.sort_block; n < end; ++n) {
+    uint end = min((block + 1u) * girih_frame.sort_block, key_count());
+    for (uint n = block * girih_frame.sort_block; n < end; ++n) {
         uint key = read_key(n);
         if (key != GIRIH_KEY_CULLED) {
             uint digit = digit_of(key);
             uint word = counter_word(block, digit);
-            uint rank = COUNTERS(word);
-            COUNTERS(word) = rank + 1u;
-            place(n, key, COUNTERS(counter_word(frame.sort_block_count, digit)) + rank);
+            uint rank = GIRIH_AT_COUNTERS(word);
+            GIRIH_AT_COUNTERS(word) = rank + 1u;
+            place(n, key, GIRIH_AT_COUNTERS(counter_word(girih_frame.sort_block_count, digit)) + rank);
         }
     }
 }
@@ -197,14 +197,14 @@ shared uint digits[gl_WorkGroupSize.x];
 void main() {
     uint block = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     uint lane = gl_LocalInvocationID.x;
-    if (block >= frame.sort_block_count) {
+    if (block >= girih_frame.sort_block_count) {
         return;
     }
-    for (uint digit = lane; digit < push.bins; digit += lanes) {
-        next[digit] = COUNTERS(counter_word(frame.sort_block_count, digit)) + COUNTERS(counter_word(block, digit));
+    for (uint digit = lane; digit < girih_push.bins; digit += lanes) {
+        next[digit] = GIRIH_AT_COUNTERS(counter_word(girih_frame.sort_block_count, digit)) + GIRIH_AT_COUNTERS(counter_word(block, digit));
     }
-    uint begin = block * frame.sort_block;
-    uint end = min(begin + frame.sort_block, key_count());
+    uint begin = block * girih_frame.sort_block;
+    uint end = min(begin + girih_frame.sort_block, key_count());
     for (uint first = begin; first < end; first += lanes) {
         uint n = first + lane;
         uint key = n < end ? read_key(n) : GIRIH_KEY_CULLED;
@@ -237,18 +237,18 @@ void main() {
 // Begins with the groups cleared to 0, so that an empty one begins and ends at 0.
 void main() {
     uint item = girih_invocation();
-    uint items = STATUS(GIRIH_STATUS_ITEMS);
+    uint items = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
     if (item >= items) {
         return;
     }
-    uint group = ITEMS(item)[GIRIH_ITEM_KEY] >> 3;
-    uint before = item == 0u ? group : ITEMS(item - 1u)[GIRIH_ITEM_KEY] >> 3;
+    uint group = GIRIH_AT_ITEMS(item)[GIRIH_ITEM_KEY] >> 3;
+    uint before = item == 0u ? group : GIRIH_AT_ITEMS(item - 1u)[GIRIH_ITEM_KEY] >> 3;
     if (before != group) {
-        GROUPS(before * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = item;
-        GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) = item;
+        GIRIH_AT_GROUPS(before * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = item;
+        GIRIH_AT_GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) = item;
     }
     if (item + 1u == items) {
-        GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = items;
+        GIRIH_AT_GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = items;
     }
 }
 

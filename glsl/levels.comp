@@ -43,53 +43,53 @@ uint draw_below(uint hash, uint count) {
 }
 
 uint level_segments(uint level) {
-    return frame.linear_spacing != 0u ? level + 1u : 1u << level;
+    return girih_frame.linear_spacing != 0u ? level + 1u : 1u << level;
 }
 
 const uint rule = girih_variant >> GIRIH_VARIANT_RULE_SHIFT & 7u;
 
 void main() {
     uint edge = girih_invocation();
-    if (edge >= frame.edge_count) {
+    if (edge >= girih_frame.edge_count) {
         return;
     }
     if (rule == GIRIH_LEVELS_UNIFORM) {
-        LEVELS(edge) = frame.uniform_level;
+        GIRIH_AT_LEVELS(edge) = girih_frame.uniform_level;
         return;
     }
-    uint instance = girih_find_instance(edge, GIRIH_INSTANCE_FIRST_EDGE, frame.edge_blocks);
+    uint instance = girih_find_instance(edge, GIRIH_INSTANCE_FIRST_EDGE, girih_frame.edge_blocks);
     uint scene_edge = edge - girih_instance(instance, GIRIH_INSTANCE_EDGE_DELTA);
-    uvec2 points = EDGE_POINTS(scene_edge);
+    uvec2 points = GIRIH_AT_EDGE_POINTS(scene_edge);
     vec3 p = girih_point_position(points.x);
     vec3 q = girih_point_position(points.y);
     uint level = 0u;
-    uint last = frame.level_count - 1u;
+    uint last = girih_frame.level_count - 1u;
     bool clamped;
     if (rule == GIRIH_LEVELS_RANDOM_LEVEL) {
-        uint wanted = draw_below(hash_edge(frame.seed, p, q), frame.random_segments);
+        uint wanted = draw_below(hash_edge(girih_frame.seed, p, q), girih_frame.random_segments);
         level = min(wanted, last);
         clamped = wanted > last;
     } else if (rule == GIRIH_LEVELS_RANDOM) {
-        uint segments = 1u + draw_below(hash_edge(frame.seed, p, q), frame.random_segments);
+        uint segments = 1u + draw_below(hash_edge(girih_frame.seed, p, q), girih_frame.random_segments);
         while (level < last && level_segments(level) < segments) {
             ++level;
         }
         clamped = level_segments(level) < segments;
     } else {
-        precise float distance_squared = frame.near_squared;
+        precise float distance_squared = girih_frame.near_squared;
         if (rule == GIRIH_LEVELS_LENGTH) {
             GirihTransform transform = girih_instance_transform(instance, 0u);
             p = girih_transform_point(transform, p);
             q = girih_transform_point(transform, q);
-            if (frame.eye.w != 0.0) {
-                precise vec3 to_eye = (p + q) * 0.5 - frame.eye.xyz;
+            if (girih_frame.eye.w != 0.0) {
+                precise vec3 to_eye = (p + q) * 0.5 - girih_frame.eye.xyz;
                 distance_squared = max(girih_dot(to_eye, to_eye), distance_squared);
             }
         }
         // The smallest n with |q-p|^2 c^2 <= n^2 P^2 max(|m-e|^2, near^2): squares throughout, so that
         // neither root nor division is needed.
         precise vec3 along = q - p;
-        precise float wanted = girih_dot(along, along) * frame.length_factor;
+        precise float wanted = girih_dot(along, along) * girih_frame.length_factor;
         for (;;) {
             float segments = float(level_segments(level));
             precise float reached = (segments * segments) * distance_squared;
@@ -100,8 +100,8 @@ void main() {
             ++level;
         }
     }
-    LEVELS(edge) = level;
+    GIRIH_AT_LEVELS(edge) = level;
     if (clamped) {
-        atomicAdd(STATUS(GIRIH_STATUS_CLAMPED), 1u);
+        atomicAdd(GIRIH_AT_STATUS(GIRIH_STATUS_CLAMPED), 1u);
     }
 }

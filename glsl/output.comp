@@ -9,10 +9,10 @@
 #if GIRIH_KERNEL == 0
 
 uint pattern_index(uint n) {
-    if (frame.index_bytes == 4u) {
-        return PATTERN_INDICES(n);
+    if (girih_frame.index_bytes == 4u) {
+        return GIRIH_AT_PATTERN_INDICES(n);
     }
-    return PATTERN_INDICES(n >> 1) >> (16u * (n & 1u)) & 0xffffu;
+    return GIRIH_AT_PATTERN_INDICES(n >> 1) >> (16u * (n & 1u)) & 0xffffu;
 }
 
 void main() {
@@ -29,11 +29,11 @@ void main() {
     uint begin = chunk * share;
     uint end = min(begin + share, count);
     uint first = girih_group(item.group, GIRIH_GROUP_BASE_TRIANGLE) + number * count;
-    if (first + end <= push.window_first || first + begin >= push.window_first + push.window_count) {
+    if (first + end <= girih_push.window_first || first + begin >= girih_push.window_first + girih_push.window_count) {
         return;
     }
     bool welded = girih_has(GIRIH_VARIANT_WELDED);
-    bool closed = (push.outputs & GIRIH_OUTPUT_BIT_CLOSED_INDICES) != 0u;
+    bool closed = (girih_push.outputs & GIRIH_OUTPUT_BIT_CLOSED_INDICES) != 0u;
     uint first_vertex = 0u;
     GirihWeld weld;
     GirihWeld closed_weld;
@@ -49,22 +49,22 @@ void main() {
     }
     uint first_index = girih_pattern(item.rank, item.mirrored ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
     for (uint triangle = begin; triangle < end; ++triangle) {
-        uint slot = first + triangle - push.window_first;
-        if (slot >= push.window_count) {
+        uint slot = first + triangle - girih_push.window_first;
+        if (slot >= girih_push.window_count) {
             continue;
         }
         for (uint corner = 0u; corner < 3u; ++corner) {
             uint n = pattern_index(first_index + 3u * triangle + corner);
-            if ((push.outputs & GIRIH_OUTPUT_BIT_INDICES) != 0u) {
-                OUT_INDICES(3u * slot + corner) = welded ? girih_weld_vertex(weld, n) : first_vertex + n;
+            if ((girih_push.outputs & GIRIH_OUTPUT_BIT_INDICES) != 0u) {
+                GIRIH_AT_OUT_INDICES(3u * slot + corner) = welded ? girih_weld_vertex(weld, n) : first_vertex + n;
             }
             if (closed) {
-                OUT_CLOSED_INDICES(3u * slot + corner) = girih_weld_vertex(closed_weld, n);
+                GIRIH_AT_OUT_CLOSED_INDICES(3u * slot + corner) = girih_weld_vertex(closed_weld, n);
             }
         }
-        if ((push.outputs & GIRIH_OUTPUT_BIT_SOURCES) != 0u) {
-            OUT_SOURCES(2u * slot) = item.instance;
-            OUT_SOURCES(2u * slot + 1u) = item.scene_triangle - girih_instance(item.instance, GIRIH_INSTANCE_MESH_TRIANGLE);
+        if ((girih_push.outputs & GIRIH_OUTPUT_BIT_SOURCES) != 0u) {
+            GIRIH_AT_OUT_SOURCES(2u * slot) = item.instance;
+            GIRIH_AT_OUT_SOURCES(2u * slot + 1u) = item.scene_triangle - girih_instance(item.instance, GIRIH_INSTANCE_MESH_TRIANGLE);
         }
     }
 }
@@ -73,25 +73,25 @@ void main() {
 
 // Output vertices inside the plan's weld edge.
 uint inner_vertices(uint weld_edge) {
-    uint instance = girih_find_instance(weld_edge, GIRIH_INSTANCE_FIRST_WELD_EDGE, frame.weld_blocks);
+    uint instance = girih_find_instance(weld_edge, GIRIH_INSTANCE_FIRST_WELD_EDGE, girih_frame.weld_blocks);
     uint scene_weld_edge = weld_edge - girih_instance(instance, GIRIH_INSTANCE_WELD_DELTA);
-    uint level = LEVELS(WELD_EDGE_EDGES(scene_weld_edge) + girih_instance(instance, GIRIH_INSTANCE_EDGE_DELTA));
-    return frame.linear_spacing != 0u ? level : (1u << level) - 1u;
+    uint level = GIRIH_AT_LEVELS(GIRIH_AT_WELD_EDGE_EDGES(scene_weld_edge) + girih_instance(instance, GIRIH_INSTANCE_EDGE_DELTA));
+    return girih_frame.linear_spacing != 0u ? level : (1u << level) - 1u;
 }
 
 #if GIRIH_KERNEL == 1
 
 void main() {
     uint block = girih_invocation();
-    if (block >= frame.scan_block_count) {
+    if (block >= girih_frame.scan_block_count) {
         return;
     }
-    uint end = min((block + 1u) * GIRIH_MAX_SORT_BLOCK, frame.weld_edge_count);
+    uint end = min((block + 1u) * GIRIH_MAX_SORT_BLOCK, girih_frame.weld_edge_count);
     uint low = 0u;
     for (uint n = block * GIRIH_MAX_SORT_BLOCK; n < end; ++n) {
         low += inner_vertices(n);
     }
-    COUNTERS(block) = low;
+    GIRIH_AT_COUNTERS(block) = low;
 }
 
 #elif GIRIH_KERNEL == 2
@@ -102,31 +102,31 @@ void main() {
     }
     uint low = 0u;
     uint high = 0u;
-    for (uint first = 0u; first < frame.scan_block_count; first += 32768u) {
-        uint end = min(first + 32768u, frame.scan_block_count);
+    for (uint first = 0u; first < girih_frame.scan_block_count; first += 32768u) {
+        uint end = min(first + 32768u, girih_frame.scan_block_count);
         for (uint block = first; block < end; ++block) {
-            uint count = COUNTERS(block);
-            COUNTERS(block) = low;
+            uint count = GIRIH_AT_COUNTERS(block);
+            GIRIH_AT_COUNTERS(block) = low;
             uint carry;
             low = uaddCarry(low, count, carry);
             high += carry;
         }
     }
-    STATUS(GIRIH_STATUS_WELD_VERTICES) = low;
-    STATUS(GIRIH_STATUS_WELD_VERTICES + 1u) = high;
+    GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES) = low;
+    GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES + 1u) = high;
 }
 
 #else
 
 void main() {
     uint block = girih_invocation();
-    if (block >= frame.scan_block_count) {
+    if (block >= girih_frame.scan_block_count) {
         return;
     }
-    uint end = min((block + 1u) * GIRIH_MAX_SORT_BLOCK, frame.weld_edge_count);
-    uint sum = COUNTERS(block);
+    uint end = min((block + 1u) * GIRIH_MAX_SORT_BLOCK, girih_frame.weld_edge_count);
+    uint sum = GIRIH_AT_COUNTERS(block);
     for (uint n = block * GIRIH_MAX_SORT_BLOCK; n < end; ++n) {
-        WELD_OFFSETS(n) = sum;
+        GIRIH_AT_WELD_OFFSETS(n) = sum;
         sum += inner_vertices(n);
     }
 }

@@ -37,17 +37,17 @@ vec3 girih_displacement(GirihPatch patch_, vec3 normal, float height) {
 
 // Float n of the vertices' attributes.
 float girih_attribute(GirihPatch patch_, uint n, vec3 barycentric) {
-    uint floats = frame.attribute_floats;
-    return girih_patch_attribute(uintBitsToFloat(ATTRIBUTES(patch_.vertices[0] * floats + n)),
-                                 uintBitsToFloat(ATTRIBUTES(patch_.vertices[1] * floats + n)),
-                                 uintBitsToFloat(ATTRIBUTES(patch_.vertices[2] * floats + n)), barycentric.x,
+    uint floats = girih_frame.attribute_floats;
+    return girih_patch_attribute(uintBitsToFloat(GIRIH_AT_ATTRIBUTES(patch_.vertices[0] * floats + n)),
+                                 uintBitsToFloat(GIRIH_AT_ATTRIBUTES(patch_.vertices[1] * floats + n)),
+                                 uintBitsToFloat(GIRIH_AT_ATTRIBUTES(patch_.vertices[2] * floats + n)), barycentric.x,
                                  barycentric.y, barycentric.z);
 }
 
 // Where the place lies on the flat triangle in mesh space, and the mesh-space normal there, of unit
 // length: for patterns in space that stay with the mesh.
 void girih_mesh_place(GirihPatch patch_, vec3 barycentric, out vec3 position, out vec3 normal) {
-    uint first = patch_.previous ? frame.previous_vertices : 0u;
+    uint first = patch_.previous ? girih_frame.previous_vertices : 0u;
     position = vec3(0.0);
     normal = vec3(0.0);
     for (uint n = 0u; n < 3u; ++n) {
@@ -89,23 +89,8 @@ vec3 girih_turned_normal(vec3 normal, vec3 base[3], vec3 added[3]) {
 }
 
 #ifdef GIRIH_SURFACE_NORMAL
-
 // The host's own.
 vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric);
-
-#else
-
-vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric) {
-    vec3 base[3];
-    vec3 added[3];
-    for (int n = 0; n < 3; ++n) {
-        vec3 near = girih_normal_place(barycentric, n);
-        base[n] = girih_base_position(patch_, near);
-        added[n] = girih_surface(patch_, near) - base[n];
-    }
-    return girih_turned_normal(girih_base_normal(patch_, barycentric), base, added);
-}
-
 #endif
 
 // --- Places: who evaluates a pattern vertex -----------------------------------------------------------
@@ -141,7 +126,7 @@ uint girih_edge_end(uint edge) {
 
 // `first` and `second` weigh the ends of an edge in canonical order.
 GirihPlace girih_edge_place(uint owner, uint first, uint second) {
-    bool reversed = (TRIANGLE_EDGES(owner) & GIRIH_EDGE_REVERSED) != 0u;
+    bool reversed = (GIRIH_AT_TRIANGLE_EDGES(owner) & GIRIH_EDGE_REVERSED) != 0u;
     GirihPlace place = GirihPlace(owner / 3u, uvec3(0u));
     place.weights[owner % 3u] = reversed ? second : first;
     place.weights[girih_edge_end(owner) % 3u] = reversed ? first : second;
@@ -155,31 +140,31 @@ GirihPlaces girih_find_places(uint triangle, uvec3 weights) {
     uint zeros = uint(weights.x == 0u) + uint(weights.y == 0u) + uint(weights.z == 0u);
     if (zeros == 2u) {
         uint corner = weights.x != 0u ? 0u : weights.y != 0u ? 1u : 2u;
-        uint vertex = TRIANGLE_VERTICES(3u * triangle + corner);
-        uint owner = VERTEX_OWNERS(WELD_POINTS(vertex));
+        uint vertex = GIRIH_AT_TRIANGLE_VERTICES(3u * triangle + corner);
+        uint owner = GIRIH_AT_VERTEX_OWNERS(GIRIH_AT_WELD_POINTS(vertex));
         places.position = girih_corner_place(owner);
         places.normal = places.position;
-        places.smooth_ = girih_same_normal(vertex, TRIANGLE_VERTICES(owner));
+        places.smooth_ = girih_same_normal(vertex, GIRIH_AT_TRIANGLE_VERTICES(owner));
         if (!places.smooth_) {
-            places.normal = girih_corner_place(VERTEX_OWNERS(vertex));
+            places.normal = girih_corner_place(GIRIH_AT_VERTEX_OWNERS(vertex));
         }
     } else if (zeros == 1u) {
         uint edge = 3u * triangle + (weights.z == 0u ? 0u : weights.x == 0u ? 1u : 2u);
         uint end = girih_edge_end(edge);
-        uint word = TRIANGLE_EDGES(edge);
+        uint word = GIRIH_AT_TRIANGLE_EDGES(edge);
         bool reversed = (word & GIRIH_EDGE_REVERSED) != 0u;
         uint first = weights[(reversed ? end : edge) % 3u];
         uint second = 32768u - first;
-        uint owner = EDGE_OWNERS(word & GIRIH_EDGE_MASK);
+        uint owner = GIRIH_AT_EDGE_OWNERS(word & GIRIH_EDGE_MASK);
         places.position = girih_edge_place(owner, first, second);
         places.normal = places.position;
-        uint near = TRIANGLE_VERTICES(owner);
-        uint far = TRIANGLE_VERTICES(girih_edge_end(owner));
-        bool same_way = ((word ^ TRIANGLE_EDGES(owner)) & GIRIH_EDGE_REVERSED) == 0u;
-        places.smooth_ = girih_same_normal(TRIANGLE_VERTICES(edge), same_way ? near : far) &&
-                         girih_same_normal(TRIANGLE_VERTICES(end), same_way ? far : near);
+        uint near = GIRIH_AT_TRIANGLE_VERTICES(owner);
+        uint far = GIRIH_AT_TRIANGLE_VERTICES(girih_edge_end(owner));
+        bool same_way = ((word ^ GIRIH_AT_TRIANGLE_EDGES(owner)) & GIRIH_EDGE_REVERSED) == 0u;
+        places.smooth_ = girih_same_normal(GIRIH_AT_TRIANGLE_VERTICES(edge), same_way ? near : far) &&
+                         girih_same_normal(GIRIH_AT_TRIANGLE_VERTICES(end), same_way ? far : near);
         if (!places.smooth_) {
-            places.normal = girih_edge_place(WELD_EDGE_OWNERS(TRIANGLE_WELD_EDGES(edge) & GIRIH_WELD_MASK), first, second);
+            places.normal = girih_edge_place(GIRIH_AT_WELD_EDGE_OWNERS(GIRIH_AT_TRIANGLE_WELD_EDGES(edge) & GIRIH_WELD_MASK), first, second);
         }
     }
     return places;
@@ -199,14 +184,14 @@ GirihPatch girih_own_patch(uint triangle, uint instance, bool previous) {
     uint vertices[3];
     uint edges[3];
     for (uint n = 0u; n < 3u; ++n) {
-        vertices[n] = TRIANGLE_VERTICES(3u * triangle + n);
-        edges[n] = TRIANGLE_EDGES(3u * triangle + n);
+        vertices[n] = GIRIH_AT_TRIANGLE_VERTICES(3u * triangle + n);
+        edges[n] = GIRIH_AT_TRIANGLE_EDGES(3u * triangle + n);
     }
     GirihPatch patch_ = girih_gather_patch(instance, vertices, edges, previous);
     patch_.vertices = vertices;
     patch_.triangle = triangle;
     patch_.instance = instance;
-    patch_.material = TRIANGLE_MATERIALS(triangle) & GIRIH_MATERIAL_MASK;
+    patch_.material = GIRIH_AT_TRIANGLE_MATERIALS(triangle) & GIRIH_MATERIAL_MASK;
     uint when = previous ? GIRIH_INSTANCE_PREVIOUS : 0u;
     patch_.scale = uintBitsToFloat(girih_instance(instance, GIRIH_INSTANCE_SCALE + when));
     patch_.mirrored = (girih_instance(instance, GIRIH_INSTANCE_FLAGS + when) & GIRIH_INSTANCE_MIRRORED) != 0u;
@@ -214,12 +199,30 @@ GirihPatch girih_own_patch(uint triangle, uint instance, bool previous) {
     return patch_;
 }
 
-vec3 girih_own_position(GirihPatch patch_, vec3 barycentric) {
-    return girih_no_negative_zero(girih_surface(patch_, barycentric));
-}
-
-vec3 girih_own_normal(GirihPatch patch_, vec3 barycentric) {
-    return girih_no_negative_zero(girih_surface_normal(patch_, barycentric));
+// The surface's point and normal at a place.
+void girih_own_sample(GirihPatch patch_, vec3 barycentric, out vec3 position, out vec3 normal) {
+#ifdef GIRIH_SURFACE_NORMAL
+    position = girih_surface(patch_, barycentric);
+    normal = girih_surface_normal(patch_, barycentric);
+#else
+    vec3 base[3];
+    vec3 added[3];
+    position = vec3(0.0);
+    // A loop, so that the host's function is compiled into one place, however long it is.
+    for (int n = 0; n < 4; ++n) {
+        vec3 near = n == 0 ? barycentric : girih_normal_place(barycentric, n - 1);
+        vec3 point = girih_surface(patch_, near);
+        if (n == 0) {
+            position = point;
+        } else {
+            base[n - 1] = girih_base_position(patch_, near);
+            added[n - 1] = point - base[n - 1];
+        }
+    }
+    normal = girih_turned_normal(girih_base_normal(patch_, barycentric), base, added);
+#endif
+    position = girih_no_negative_zero(position);
+    normal = girih_no_negative_zero(normal);
 }
 
 #endif

@@ -20,22 +20,22 @@ struct GirihItem {
 };
 
 uint girih_group(uint group, uint field) {
-    return GROUPS(group * GIRIH_GROUP_WORDS + field);
+    return GIRIH_AT_GROUPS(group * GIRIH_GROUP_WORDS + field);
 }
 
 // The words VERTICES to BASE_TRIANGLE of a group.
 uvec4 girih_group_work(uint group) {
-    return GROUP_FOURS((group * GIRIH_GROUP_WORDS + GIRIH_GROUP_VERTICES) / 4u);
+    return GIRIH_AT_GROUP_FOURS((group * GIRIH_GROUP_WORDS + GIRIH_GROUP_VERTICES) / 4u);
 }
 
 // `overflow`: the frame is drawn at level 0.
 GirihItem girih_read_item(uint number, bool overflow) {
     GirihItem item;
     item.number = number;
-    uvec2 words = ITEMS(number);
+    uvec2 words = GIRIH_AT_ITEMS(number);
     uint triangle = words[GIRIH_ITEM_TRIANGLE];
     uint key = words[GIRIH_ITEM_KEY];
-    item.instance = girih_find_instance(triangle, GIRIH_INSTANCE_FIRST_TRIANGLE, frame.triangle_blocks);
+    item.instance = girih_find_instance(triangle, GIRIH_INSTANCE_FIRST_TRIANGLE, girih_frame.triangle_blocks);
     item.scene_triangle = triangle - girih_instance(item.instance, GIRIH_INSTANCE_TRIANGLE_DELTA);
     item.group = key >> 3;
     item.lambda = key & 7u;
@@ -58,7 +58,7 @@ GirihItem girih_read_item(uint number, bool overflow) {
 
 void girih_item_vertices(GirihItem item, out uint vertices[3]) {
     for (uint n = 0u; n < 3u; ++n) {
-        vertices[n] = TRIANGLE_VERTICES(3u * item.scene_triangle + item.corners[n]);
+        vertices[n] = GIRIH_AT_TRIANGLE_VERTICES(3u * item.scene_triangle + item.corners[n]);
     }
 }
 
@@ -66,7 +66,7 @@ GirihPatch girih_item_patch(GirihItem item, uint vertices[3]) {
     uint edges[3] = uint[3](0u, 0u, 0u);
 #if GIRIH_CURVED == 1
     for (uint edge = 0u; edge < 3u; ++edge) {
-        edges[edge] = TRIANGLE_EDGES(3u * item.scene_triangle + item.edges[edge]);
+        edges[edge] = GIRIH_AT_TRIANGLE_EDGES(3u * item.scene_triangle + item.edges[edge]);
         if (item.odd) {
             edges[edge] ^= GIRIH_EDGE_REVERSED;
         }
@@ -77,37 +77,37 @@ GirihPatch girih_item_patch(GirihItem item, uint vertices[3]) {
 
 // Read before anything diverges, where a CPU device loads it once for all lanes.
 bool girih_overflow() {
-    return (STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_OVERFLOW) != 0u;
+    return (GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_OVERFLOW) != 0u;
 }
 
 // The item and the share of its work that an invocation of evaluate or output does. Invocation n < items
 // has the first chunk of item n, with no search; what patterns of many vertices have beyond it is
 // shared out among further invocations. False: nothing to do.
 bool girih_work(uint invocation, out uint item, out uint chunk) {
-    uint items = STATUS(GIRIH_STATUS_ITEMS);
+    uint items = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
     item = invocation;
     chunk = 0u;
     if (invocation < items) {
         return true;
     }
     uint further = invocation - items;
-    if (further >= STATUS(GIRIH_STATUS_CHUNKS)) {
+    if (further >= GIRIH_AT_STATUS(GIRIH_STATUS_CHUNKS)) {
         return false;
     }
     uint low = 0u;
-    uint high = frame.group_count;
+    uint high = girih_frame.group_count;
     while (high - low > 1u) {
         uint middle = (low + high) / 2u;
-        if (GROUPS(middle * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_CHUNK) <= further) {
+        if (GIRIH_AT_GROUPS(middle * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_CHUNK) <= further) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    uint rank = girih_range_rank(low % frame.range_count);
+    uint rank = girih_range_rank(low % girih_frame.range_count);
     uint each = girih_pattern(rank, GIRIH_PATTERN_CHUNKS) - 1u;
-    uint local = further - GROUPS(low * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_CHUNK);
-    item = GROUPS(low * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) + local / each;
+    uint local = further - GIRIH_AT_GROUPS(low * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_CHUNK);
+    item = GIRIH_AT_GROUPS(low * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) + local / each;
     chunk = 1u + local % each;
     return true;
 }
@@ -142,15 +142,15 @@ GirihWeld girih_item_weld(GirihItem item, uint vertices[3], bool closed) {
     uint weld_delta = girih_instance(item.instance, GIRIH_INSTANCE_WELD_DELTA);
     uint border = 0u;
     for (uint n = 0u; n < 3u; ++n) {
-        uint word = TRIANGLE_WELD_EDGES(3u * item.scene_triangle + item.edges[n]);
+        uint word = GIRIH_AT_TRIANGLE_WELD_EDGES(3u * item.scene_triangle + item.edges[n]);
         uint edge = word & GIRIH_WELD_MASK;
         uint vertex = vertices[n];
         if (closed) {
-            edge = EDGE_WELD_EDGES(WELD_EDGE_EDGES(edge));
-            vertex = WELD_POINTS(vertex);
+            edge = GIRIH_AT_EDGE_WELD_EDGES(GIRIH_AT_WELD_EDGE_EDGES(edge));
+            vertex = GIRIH_AT_WELD_POINTS(vertex);
         }
         weld.corners[n] = vertex + vertex_delta;
-        weld.edges[n] = frame.corner_count + WELD_OFFSETS(edge + weld_delta);
+        weld.edges[n] = girih_frame.corner_count + GIRIH_AT_WELD_OFFSETS(edge + weld_delta);
         weld.reversed[n] = ((word & GIRIH_WELD_REVERSED) != 0u) != item.odd;
         weld.segments[n] = girih_pattern(item.rank, GIRIH_PATTERN_SEGMENTS + n);
         border += weld.segments[n];

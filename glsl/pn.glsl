@@ -30,10 +30,10 @@ void girih_pn_edge(vec3 p, vec3 q, vec3 normal_p, vec3 normal_q, uint edge, uint
     }
     uint seam = ((edge & GIRIH_EDGE_MASK) + seam_delta) * 4u;
     uint at_p = (edge & GIRIH_EDGE_REVERSED) == 0u ? 0u : 1u;
-    vec3 a_p = girih_vertex_normal(SEAMS(seam + at_p) + first);
-    vec3 a_q = girih_vertex_normal(SEAMS(seam + 1u - at_p) + first);
-    vec3 b_p = girih_vertex_normal(SEAMS(seam + 2u + at_p) + first);
-    vec3 b_q = girih_vertex_normal(SEAMS(seam + 3u - at_p) + first);
+    vec3 a_p = girih_vertex_normal(GIRIH_AT_SEAMS(seam + at_p) + first);
+    vec3 a_q = girih_vertex_normal(GIRIH_AT_SEAMS(seam + 1u - at_p) + first);
+    vec3 b_p = girih_vertex_normal(GIRIH_AT_SEAMS(seam + 2u + at_p) + first);
+    vec3 b_q = girih_vertex_normal(GIRIH_AT_SEAMS(seam + 3u - at_p) + first);
     precise vec3 sum_p = girih_pn_edge_point(p, q, a_p) + girih_pn_edge_point(p, q, b_p);
     precise vec3 sum_q = girih_pn_edge_point(q, p, a_q) + girih_pn_edge_point(q, p, b_q);
     near_p = sum_p * 0.5;

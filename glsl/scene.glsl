@@ -8,27 +8,27 @@
 // A vertex is three pairs of words: position x y, z and normal x, normal y z.
 vec3 girih_vertex_normal(uint vertex) {
     uint pair = vertex * (GIRIH_VERTEX_WORDS / 2) + 1u;
-    return vec3(uintBitsToFloat(VERTEX_PAIRS(pair).y), uintBitsToFloat(VERTEX_PAIRS(pair + 1u)));
+    return vec3(uintBitsToFloat(GIRIH_AT_VERTEX_PAIRS(pair).y), uintBitsToFloat(GIRIH_AT_VERTEX_PAIRS(pair + 1u)));
 }
 
 // The position of a vertex that stands for its point.
 vec3 girih_point_position(uint vertex) {
     uint pair = vertex * (GIRIH_VERTEX_WORDS / 2);
-    vec3 position = vec3(uintBitsToFloat(VERTEX_PAIRS(pair)), uintBitsToFloat(VERTEX_PAIRS(pair + 1u).x));
+    vec3 position = vec3(uintBitsToFloat(GIRIH_AT_VERTEX_PAIRS(pair)), uintBitsToFloat(GIRIH_AT_VERTEX_PAIRS(pair + 1u).x));
     // Mesh preparation stores no -0; a host that moves vertices may.
     return girih_has(GIRIH_VARIANT_DYNAMIC) ? girih_no_negative_zero(position) : position;
 }
 
-// `first`: 0, or frame.previous_vertices.
+// `first`: 0, or girih_frame.previous_vertices.
 void girih_vertex(uint vertex, uint first, out vec3 position, out vec3 normal) {
     uint pair = (vertex + first) * (GIRIH_VERTEX_WORDS / 2);
-    uvec2 middle = VERTEX_PAIRS(pair + 1u);
-    normal = vec3(uintBitsToFloat(middle.y), uintBitsToFloat(VERTEX_PAIRS(pair + 2u)));
+    uvec2 middle = GIRIH_AT_VERTEX_PAIRS(pair + 1u);
+    normal = vec3(uintBitsToFloat(middle.y), uintBitsToFloat(GIRIH_AT_VERTEX_PAIRS(pair + 2u)));
     if (girih_has(GIRIH_VARIANT_DYNAMIC)) {
         // Rounding may move duplicates of a point apart: only the one that stands for it counts.
-        position = girih_point_position(WELD_POINTS(vertex) + first);
+        position = girih_point_position(GIRIH_AT_WELD_POINTS(vertex) + first);
     } else {
-        position = vec3(uintBitsToFloat(VERTEX_PAIRS(pair)), uintBitsToFloat(middle.x));
+        position = vec3(uintBitsToFloat(GIRIH_AT_VERTEX_PAIRS(pair)), uintBitsToFloat(middle.x));
     }
 }
 

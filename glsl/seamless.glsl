@@ -31,74 +31,98 @@ struct GirihSeamSides {
     uint seconds[3];   // second ends
     bool parted[3];    // an edge's owner has other vertices there
     vec3 apart;        // 1 where a corner's owner has another vertex
+    vec3 owner_apart[3]; // the same of the edges' owners' corners at the two ends
 };
+
+float girih_apart(uint corner) {
+    uint vertex = GIRIH_AT_TRIANGLE_VERTICES(corner);
+    return GIRIH_AT_TRIANGLE_VERTICES(GIRIH_AT_VERTEX_OWNERS(GIRIH_AT_WELD_POINTS(vertex))) != vertex ? 1.0 : 0.0;
+}
 
 GirihSeamSides girih_find_seams(GirihPatch patch_) {
     GirihSeamSides seams;
     uint corner = 3u * patch_.triangle;
     for (uint n = 0u; n < 3u; ++n) {
-        uint word = TRIANGLE_EDGES(corner + n);
-        uint owner = EDGE_OWNERS(word & GIRIH_EDGE_MASK);
-        bool same_way = ((word ^ TRIANGLE_EDGES(owner)) & GIRIH_EDGE_REVERSED) == 0u;
+        uint word = GIRIH_AT_TRIANGLE_EDGES(corner + n);
+        uint owner = GIRIH_AT_EDGE_OWNERS(word & GIRIH_EDGE_MASK);
+        bool same_way = ((word ^ GIRIH_AT_TRIANGLE_EDGES(owner)) & GIRIH_EDGE_REVERSED) == 0u;
         seams.firsts[n] = same_way ? owner : girih_edge_end(owner);
         seams.seconds[n] = same_way ? girih_edge_end(owner) : owner;
-        seams.parted[n] = TRIANGLE_VERTICES(seams.firsts[n]) != patch_.vertices[n] ||
-                          TRIANGLE_VERTICES(seams.seconds[n]) != patch_.vertices[girih_edge_end(n)];
-        seams.points[n] = VERTEX_OWNERS(WELD_POINTS(patch_.vertices[n]));
-        seams.apart[n] = TRIANGLE_VERTICES(seams.points[n]) != patch_.vertices[n] ? 1.0 : 0.0;
+        seams.parted[n] = GIRIH_AT_TRIANGLE_VERTICES(seams.firsts[n]) != patch_.vertices[n] ||
+                          GIRIH_AT_TRIANGLE_VERTICES(seams.seconds[n]) != patch_.vertices[girih_edge_end(n)];
+        seams.points[n] = GIRIH_AT_VERTEX_OWNERS(GIRIH_AT_WELD_POINTS(patch_.vertices[n]));
+        seams.apart[n] = girih_apart(corner + n);
+        seams.owner_apart[n] = vec3(girih_apart(seams.firsts[n]), girih_apart(seams.seconds[n]), 0.0);
     }
     return seams;
 }
 
-float girih_corner_height(uint corner, GirihPatch asking) {
-    GirihPatch patch_ = girih_own_patch(corner / 3u, asking.instance, asking.previous);
-    vec3 barycentric = vec3(0.0);
-    barycentric[corner % 3u] = 1.0;
-    return girih_own_height(patch_, barycentric);
-}
-
-// The height at (1 - t, t) between two corners of one triangle, bent to the points' heights at its ends.
-float girih_edge_height(uint first, uint second, float t, vec2 points, GirihPatch asking) {
-    GirihPatch patch_ = girih_own_patch(first / 3u, asking.instance, asking.previous);
-    vec3 barycentric = vec3(0.0);
-    barycentric[first % 3u] = 1.0 - t;
-    barycentric[second % 3u] = t;
-    uint owner1 = VERTEX_OWNERS(WELD_POINTS(patch_.vertices[first % 3u]));
-    uint owner2 = VERTEX_OWNERS(WELD_POINTS(patch_.vertices[second % 3u]));
-    vec3 apart = vec3(TRIANGLE_VERTICES(owner1) != patch_.vertices[first % 3u] ? 1.0 : 0.0,
-                      TRIANGLE_VERTICES(owner2) != patch_.vertices[second % 3u] ? 1.0 : 0.0, 0.0);
-    vec3 lacking =
-        vec3(points.x - girih_corner_height(first, asking), points.y - girih_corner_height(second, asking), 0.0);
-    return girih_own_height(patch_, barycentric) + girih_corners_lacking(vec3(1.0 - t, t, 0.0), apart, lacking);
-}
+// What is asked of one seam side's triangle: its height at a place.
+const int girih_seam_corners = 1;  // 1..3: the triangle's own corners
+const int girih_seam_points = 4;   // 4..6: its corners' owners
+const int girih_seam_edges = 7;    // 7..: four for each edge: itself and its owner at the place nearest to
+                                   // this one, the owner's two corners
+const int girih_seam_questions = 19;
 
 float girih_seamless_height(GirihPatch patch_, vec3 barycentric) {
     GirihSeamSides seams = girih_find_seams(patch_);
-    float height = girih_own_height(patch_, barycentric);
-    // Loops of no turns instead of branches: a CPU device would run those for every triangle.
     bool seam = seams.parted[0] || seams.parted[1] || seams.parted[2] || seams.apart != vec3(0.0);
-    uint turns = seam ? 3u : 0u;
     uint corner = 3u * patch_.triangle;
-    vec3 points = vec3(0.0);
-    vec3 lacking = vec3(0.0);
-    for (uint n = 0u; n < turns; ++n) {
-        points[n] = girih_corner_height(seams.points[n], patch_);
-        lacking[n] = points[n] - girih_corner_height(corner + n, patch_);
+    float heights[girih_seam_questions];
+    float t[3];
+    for (uint n = 0u; n < 3u; ++n) {
+        float along = barycentric[n] + barycentric[girih_edge_end(n)];
+        t[n] = along > 0.0 ? barycentric[girih_edge_end(n)] / along : 0.0;
     }
+    // A loop that is left early instead of a branch: a CPU device would run that for every triangle. And
+    // one, so that the host's function is compiled into one place.
+    int questions = seam ? girih_seam_questions : 1;
+    for (int question = 0; question < questions; ++question) {
+        GirihPatch asked = patch_;
+        vec3 place = barycentric;
+        if (question >= girih_seam_corners) {
+            uint n = uint(question - girih_seam_corners) % 3u;
+            uint first = question < girih_seam_points ? corner + n : seams.points[n];
+            uint second = first;
+            float share = 0.0;
+            if (question >= girih_seam_edges) {
+                n = uint(question - girih_seam_edges) / 4u;
+                int which = (question - girih_seam_edges) % 4;
+                first = which == 0 ? corner + n : seams.firsts[n];
+                second = which == 0 ? corner + girih_edge_end(n) : seams.seconds[n];
+                share = which == 2 ? 0.0 : which == 3 ? 1.0 : t[n];
+            }
+            asked = girih_own_patch(first / 3u, patch_.instance, patch_.previous);
+            place = vec3(0.0);
+            place[first % 3u] = 1.0 - share;
+            if (second != first) {
+                place[second % 3u] = share;
+            }
+        }
+        heights[question] = girih_own_height(asked, place);
+    }
+    float height = heights[0];
+    if (!seam) {
+        return height;
+    }
+    vec3 points = vec3(heights[4], heights[5], heights[6]);
+    vec3 lacking = points - vec3(heights[1], heights[2], heights[3]);
     height += girih_corners_lacking(barycentric, seams.apart, lacking);
-    for (uint n = 0u; n < turns; ++n) {
+    for (uint n = 0u; n < 3u; ++n) {
         uint end = girih_edge_end(n);
         float third = barycentric[girih_edge_end(end)];
-        float along = barycentric[n] + barycentric[end];
         float weight = (barycentric[n] + third) * (barycentric[end] + third);
-        if (!seams.parted[n] || weight == 0.0 || along == 0.0) {
+        if (!seams.parted[n] || weight == 0.0 || barycentric[n] + barycentric[end] == 0.0) {
             continue;
         }
-        // What the owner makes of the edge, less what is reached already.
-        float t = barycentric[end] / along;
-        vec2 ends = vec2(points[n], points[end]);
-        float wanted = girih_edge_height(seams.firsts[n], seams.seconds[n], t, ends, patch_);
-        float reached = girih_edge_height(corner + n, corner + end, t, ends, patch_);
+        // What the owner makes of the edge, its own corners bent to the points too, less what is reached.
+        uint first = uint(girih_seam_edges) + 4u * n;
+        vec3 weights = vec3(1.0 - t[n], t[n], 0.0);
+        float wanted = heights[first + 1u] +
+                       girih_corners_lacking(weights, seams.owner_apart[n],
+                                             vec3(points[n] - heights[first + 2u], points[end] - heights[first + 3u], 0.0));
+        float reached = heights[first] + girih_corners_lacking(weights, vec3(seams.apart[n], seams.apart[end], 0.0),
+                                                               vec3(lacking[n], lacking[end], 0.0));
         height += girih_ease(barycentric[n] * barycentric[end] / weight) * (wanted - reached);
     }
     return height;

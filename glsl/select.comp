@@ -8,7 +8,7 @@
 // Whether all of a triangle's patch is outside the frustum or faces away. The bounds are those of the
 // curved surface: a Bezier patch lies in the box of its control points, and its normal, the cross
 // product of its two derivatives, in a ball around the flat triangle's normal. A host's surface lies
-// within frame.reach of the box, and nothing is known of its normals. `p` are the mesh-space control
+// within girih_frame.reach of the box, and nothing is known of its normals. `p` are the mesh-space control
 // points, the corners first.
 bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
     vec3 low = p[0];
@@ -18,18 +18,18 @@ bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
         high = max(high, p[n]);
     }
     precise vec3 centre = (low + high) * 0.5;
-    precise vec3 extent = (high - low) * 0.5 + frame.reach;
+    precise vec3 extent = (high - low) * 0.5 + girih_frame.reach;
     GirihTransform t = girih_instance_transform(instance, 0u);
-    if ((frame.cull & GIRIH_CULL_FRUSTUM) != 0u) {
+    if ((girih_frame.cull & GIRIH_CULL_FRUSTUM) != 0u) {
         vec3 world = girih_transform_point(t, centre);
         // Bounds |world| of every point of the box and of every sum on the way to it.
-        precise vec3 far = max(abs(low), abs(high)) + frame.reach;
+        precise vec3 far = max(abs(low), abs(high)) + girih_frame.reach;
         precise vec3 size = vec3(girih_dot(abs(t.row0.xyz), far) + abs(t.row0.w),
                                  girih_dot(abs(t.row1.xyz), far) + abs(t.row1.w),
                                  girih_dot(abs(t.row2.xyz), far) + abs(t.row2.w));
         for (int n = 0; n < 6; ++n) {
-            vec3 plane = frame.planes[n].xyz;
-            precise float distance = girih_dot(plane, world) + frame.planes[n].w;
+            vec3 plane = girih_frame.planes[n].xyz;
+            precise float distance = girih_dot(plane, world) + girih_frame.planes[n].w;
             // The plane's normal in mesh space, so that the box stays a box.
             precise vec3 normal = (t.row0.xyz * plane.x + t.row1.xyz * plane.y) + t.row2.xyz * plane.z;
             precise float radius = girih_dot(abs(normal), extent);
@@ -40,7 +40,7 @@ bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
             }
         }
     }
-    if ((frame.cull & GIRIH_CULL_BACK) != 0u && !two_sided) {
+    if ((girih_frame.cull & GIRIH_CULL_BACK) != 0u && !two_sided) {
         vec3 w[10];
         for (int n = 0; n < count; ++n) {
             w[n] = girih_transform_point(t, p[n]);
@@ -68,10 +68,10 @@ bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
             }
         }
         precise float spread = (girih_length_bound(along2) * stray3 + girih_length_bound(along3) * stray2) + stray2 * stray3;
-        precise vec3 to_eye = frame.eye.xyz;
+        precise vec3 to_eye = girih_frame.eye.xyz;
         float radius = 0.0;
-        if (frame.eye.w != 0.0) {
-            to_eye = frame.eye.xyz - w[0];
+        if (girih_frame.eye.w != 0.0) {
+            to_eye = girih_frame.eye.xyz - w[0];
             for (int n = 1; n < count; ++n) {
                 precise vec3 away = w[n] - w[0];
                 radius = max(radius, girih_length_bound(away));
@@ -81,7 +81,7 @@ bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
         // Measured from corner 1, the flat triangle's own normal is perpendicular to its corners, so
         // only curved control points add to the radius.
         float lift = 0.0;
-        if (frame.eye.w != 0.0) {
+        if (girih_frame.eye.w != 0.0) {
             for (int n = 3; n < count; ++n) {
                 precise vec3 away = w[n] - w[0];
                 lift = max(lift, abs(girih_dot(normal, away)));
@@ -100,23 +100,23 @@ bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
 
 void main() {
     uint triangle = girih_invocation();
-    if (triangle >= frame.triangle_count) {
+    if (triangle >= girih_frame.triangle_count) {
         return;
     }
-    uint instance = girih_find_instance(triangle, GIRIH_INSTANCE_FIRST_TRIANGLE, frame.triangle_blocks);
+    uint instance = girih_find_instance(triangle, GIRIH_INSTANCE_FIRST_TRIANGLE, girih_frame.triangle_blocks);
     uint scene_triangle = triangle - girih_instance(instance, GIRIH_INSTANCE_TRIANGLE_DELTA);
     uint edge_delta = girih_instance(instance, GIRIH_INSTANCE_EDGE_DELTA);
-    uint material = TRIANGLE_MATERIALS(scene_triangle);
+    uint material = GIRIH_AT_TRIANGLE_MATERIALS(scene_triangle);
     uint edges[3];
     for (uint n = 0u; n < 3u; ++n) {
-        edges[n] = TRIANGLE_EDGES(3u * scene_triangle + n);
+        edges[n] = GIRIH_AT_TRIANGLE_EDGES(3u * scene_triangle + n);
     }
     if (girih_has(GIRIH_VARIANT_CULL)) {
         vec3 p[10];
         vec3 normals[3];
         vec3 corners[3];
         for (uint n = 0u; n < 3u; ++n) {
-            uint vertex = TRIANGLE_VERTICES(3u * scene_triangle + n);
+            uint vertex = GIRIH_AT_TRIANGLE_VERTICES(3u * scene_triangle + n);
             girih_vertex(vertex, 0u, corners[n], normals[n]);
             p[n] = corners[n];
         }
@@ -133,14 +133,14 @@ void main() {
         count = 10;
 #endif
         if (culled(p, count, instance, (material & GIRIH_TWO_SIDED) != 0u)) {
-            KEYS(triangle) = GIRIH_KEY_CULLED;
+            GIRIH_AT_KEYS(triangle) = GIRIH_KEY_CULLED;
             return;
         }
     }
     // Sort the levels and keep track of the swaps: ARKFPI, Figure 8.
-    uint i = LEVELS((edges[0] & GIRIH_EDGE_MASK) + edge_delta);
-    uint j = LEVELS((edges[1] & GIRIH_EDGE_MASK) + edge_delta);
-    uint k = LEVELS((edges[2] & GIRIH_EDGE_MASK) + edge_delta);
+    uint i = GIRIH_AT_LEVELS((edges[0] & GIRIH_EDGE_MASK) + edge_delta);
+    uint j = GIRIH_AT_LEVELS((edges[1] & GIRIH_EDGE_MASK) + edge_delta);
+    uint k = GIRIH_AT_LEVELS((edges[2] & GIRIH_EDGE_MASK) + edge_delta);
     uint lambda = 0u;
     uint swap;
     if (i < j) {
@@ -176,6 +176,6 @@ void main() {
     }
     uint rank = i * (i + 1u) * (i + 2u) / 6u + j * (j + 1u) / 2u + k;
     range += girih_pattern(rank, GIRIH_PATTERN_RANGE);
-    uint group = (material & GIRIH_MATERIAL_MASK) * frame.range_count + range;
-    KEYS(triangle) = group << 3 | lambda;
+    uint group = (material & GIRIH_MATERIAL_MASK) * girih_frame.range_count + range;
+    GIRIH_AT_KEYS(triangle) = group << 3 | lambda;
 }

@@ -233,6 +233,7 @@ static void library_is_whole(void **state) {
     static const char *const surfaces[] = {
         "#include \"" GIRIH_SHADER_USER_FILE "\"\n",
         "#define HEIGHT_MAP_FLOAT 0u\n#define HEIGHT_PER_UNIT 1.0\n#define HEIGHT_ZERO 0.0\n"
+        "#define HEIGHT_LOW 0.0\n#define HEIGHT_HIGH 1.0\n"
         "#include \"displaced.glsl\"\n"};
     write_text("base.glsl", "#include \"girih.glsl\"\n#include <displace.glsl>\n"
                             "vec3 girih_surface(GirihPatch patch_, vec3 b) {\n"

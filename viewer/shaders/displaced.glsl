@@ -14,15 +14,21 @@ layout(set = GIRIH_SURFACE_SET, binding = 0) uniform sampler2D girih_height_map;
 #ifdef UNDISPLACED
 vec3 UNDISPLACED(GirihPatch patch_, vec3 barycentric);
 
-vec3 girih_undisplaced_normal(GirihPatch patch_, vec3 barycentric) {
+// The user's point, and the normal there.
+void girih_undisplaced_sample(GirihPatch patch_, vec3 barycentric, out vec3 point, out vec3 normal) {
     vec3 base[3];
     vec3 added[3];
-    for (int n = 0; n < 3; ++n) {
-        vec3 near = girih_normal_place(barycentric, n);
-        base[n] = girih_base_position(patch_, near);
-        added[n] = UNDISPLACED(patch_, near) - base[n];
+    for (int n = 0; n < 4; ++n) {
+        vec3 near = n == 0 ? barycentric : girih_normal_place(barycentric, n - 1);
+        vec3 reached = UNDISPLACED(patch_, near);
+        if (n == 0) {
+            point = reached;
+        } else {
+            base[n - 1] = girih_base_position(patch_, near);
+            added[n - 1] = reached - base[n - 1];
+        }
     }
-    return girih_turned_normal(girih_base_normal(patch_, barycentric), base, added);
+    normal = girih_turned_normal(girih_base_normal(patch_, barycentric), base, added);
 }
 #endif
 
@@ -40,8 +46,8 @@ float girih_own_height(GirihPatch patch_, vec3 barycentric) {
 
 vec3 girih_surface(GirihPatch patch_, vec3 barycentric) {
 #ifdef UNDISPLACED
-    vec3 point = UNDISPLACED(patch_, barycentric);
-    vec3 normal = girih_undisplaced_normal(patch_, barycentric);
+    vec3 point, normal;
+    girih_undisplaced_sample(patch_, barycentric, point, normal);
 #else
     vec3 point = girih_base_position(patch_, barycentric);
     vec3 normal = girih_base_normal(patch_, barycentric);

@@ -122,6 +122,10 @@ GIRIH_API girih_result girih_context_create(const girih_context_desc *desc, giri
 // available and visible to compute, vertex shader, vertex input, index and transfer reads.
 GIRIH_API void girih_cmd_upload_context(const girih_context *context, VkCommandBuffer commands);
 
+// Frees the upload's staging buffer, if it is girih's, once the recorded upload has been executed.
+// Optional. Not while another thread uses the context.
+GIRIH_API void girih_context_trim(girih_context *context);
+
 // Takes NULL. Its surface programs, scenes and plans must be destroyed before.
 GIRIH_API void girih_context_destroy(girih_context *context);
 

@@ -189,7 +189,8 @@ GIRIH_API girih_result girih_plan_create(const girih_context *context, const gir
 GIRIH_API void girih_plan_destroy(girih_plan *plan);
 
 // Moves an instance; taken up by the next girih_cmd_refine. `previous` is where it was in the previous
-// frame, for motion vectors; NULL: where it is. Elements that are not finite or beyond
+// frame, for motion vectors; NULL: where it is. Both stay until they are set again: an instance that
+// comes to rest is set once more, with NULL. Elements that are not finite or beyond
 // GIRIH_MAX_COORDINATE are refused with GIRIH_ERROR_INVALID_DATA. Externally synchronised on the
 // plan, and not while a submitted girih_cmd_refine of this plan has not finished.
 GIRIH_API girih_result girih_plan_set_transform(girih_plan *plan, uint32_t instance,
