@@ -101,10 +101,7 @@ void girih_write_attributes(uint vertex, uint vertices[3], vec3 b) {
         return;
     }
     for (uint a = 0u; a < girih_frame.attribute_floats; ++a) {
-        float value = girih_patch_attribute(uintBitsToFloat(GIRIH_AT_ATTRIBUTES(vertices[0] * girih_frame.attribute_floats + a)),
-                                            uintBitsToFloat(GIRIH_AT_ATTRIBUTES(vertices[1] * girih_frame.attribute_floats + a)),
-                                            uintBitsToFloat(GIRIH_AT_ATTRIBUTES(vertices[2] * girih_frame.attribute_floats + a)), b.x,
-                                            b.y, b.z);
+        float value = girih_scene_attribute(vertices, a, b);
         GIRIH_AT_OUT_ATTRIBUTES((vertex - girih_push.window_first) * girih_frame.attribute_stride + 3u + a) =
             floatBitsToUint(girih_no_negative_zero(value));
     }
@@ -132,7 +129,8 @@ void main() {
     uint end = min(begin + GIRIH_CHUNK_VERTICES, count);
     uint first = work[GIRIH_GROUP_BASE_VERTEX - GIRIH_GROUP_VERTICES] + number * count;
     bool welded = girih_has(GIRIH_VARIANT_WELDED);
-    if (!welded && (first + end <= girih_push.window_first || first + begin >= girih_push.window_first + girih_push.window_count)) {
+    if (!welded && (first + end <= girih_push.window_first ||
+                    first + begin >= girih_push.window_first + girih_push.window_count)) {
         return;
     }
     uint vertices[3];

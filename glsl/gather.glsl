@@ -5,6 +5,15 @@
 #include "pn.glsl"
 #include "surfaces.glsl"
 
+// Float n of the scene's attributes, between three vertices.
+float girih_scene_attribute(uint vertices[3], uint n, vec3 barycentric) {
+    uint floats = girih_frame.attribute_floats;
+    return girih_patch_attribute(uintBitsToFloat(GIRIH_AT_ATTRIBUTES(vertices[0] * floats + n)),
+                                 uintBitsToFloat(GIRIH_AT_ATTRIBUTES(vertices[1] * floats + n)),
+                                 uintBitsToFloat(GIRIH_AT_ATTRIBUTES(vertices[2] * floats + n)), barycentric.x,
+                                 barycentric.y, barycentric.z);
+}
+
 // `edges` are the words of TRIANGLE_EDGES of the edges 12, 23, 31 of `vertices`, with their reversal
 // relative to these directions. `previous`: as it was in the previous girih_frame.
 GirihPatch girih_gather_patch(uint instance, uint vertices[3], uint edges[3], bool previous) {

@@ -37,11 +37,7 @@ vec3 girih_displacement(GirihPatch patch_, vec3 normal, float height) {
 
 // Float n of the vertices' attributes.
 float girih_attribute(GirihPatch patch_, uint n, vec3 barycentric) {
-    uint floats = girih_frame.attribute_floats;
-    return girih_patch_attribute(uintBitsToFloat(GIRIH_AT_ATTRIBUTES(patch_.vertices[0] * floats + n)),
-                                 uintBitsToFloat(GIRIH_AT_ATTRIBUTES(patch_.vertices[1] * floats + n)),
-                                 uintBitsToFloat(GIRIH_AT_ATTRIBUTES(patch_.vertices[2] * floats + n)), barycentric.x,
-                                 barycentric.y, barycentric.z);
+    return girih_scene_attribute(patch_.vertices, n, barycentric);
 }
 
 // Where the place lies on the flat triangle in mesh space, and the mesh-space normal there, of unit
@@ -164,7 +160,8 @@ GirihPlaces girih_find_places(uint triangle, uvec3 weights) {
         places.smooth_ = girih_same_normal(GIRIH_AT_TRIANGLE_VERTICES(edge), same_way ? near : far) &&
                          girih_same_normal(GIRIH_AT_TRIANGLE_VERTICES(end), same_way ? far : near);
         if (!places.smooth_) {
-            places.normal = girih_edge_place(GIRIH_AT_WELD_EDGE_OWNERS(GIRIH_AT_TRIANGLE_WELD_EDGES(edge) & GIRIH_WELD_MASK), first, second);
+            uint weld_edge = GIRIH_AT_TRIANGLE_WELD_EDGES(edge) & GIRIH_WELD_MASK;
+            places.normal = girih_edge_place(GIRIH_AT_WELD_EDGE_OWNERS(weld_edge), first, second);
         }
     }
     return places;

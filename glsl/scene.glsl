@@ -14,7 +14,8 @@ vec3 girih_vertex_normal(uint vertex) {
 // The position of a vertex that stands for its point.
 vec3 girih_point_position(uint vertex) {
     uint pair = vertex * (GIRIH_VERTEX_WORDS / 2);
-    vec3 position = vec3(uintBitsToFloat(GIRIH_AT_VERTEX_PAIRS(pair)), uintBitsToFloat(GIRIH_AT_VERTEX_PAIRS(pair + 1u).x));
+    vec3 position =
+        vec3(uintBitsToFloat(GIRIH_AT_VERTEX_PAIRS(pair)), uintBitsToFloat(GIRIH_AT_VERTEX_PAIRS(pair + 1u).x));
     // Mesh preparation stores no -0; a host that moves vertices may.
     return girih_has(GIRIH_VARIANT_DYNAMIC) ? girih_no_negative_zero(position) : position;
 }

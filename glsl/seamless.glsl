@@ -118,9 +118,9 @@ float girih_seamless_height(GirihPatch patch_, vec3 barycentric) {
         // What the owner makes of the edge, its own corners bent to the points too, less what is reached.
         uint first = uint(girih_seam_edges) + 4u * n;
         vec3 weights = vec3(1.0 - t[n], t[n], 0.0);
-        float wanted = heights[first + 1u] +
-                       girih_corners_lacking(weights, seams.owner_apart[n],
-                                             vec3(points[n] - heights[first + 2u], points[end] - heights[first + 3u], 0.0));
+        vec3 owner_lacking = vec3(points[n] - heights[first + 2u], points[end] - heights[first + 3u], 0.0);
+        float wanted =
+            heights[first + 1u] + girih_corners_lacking(weights, seams.owner_apart[n], owner_lacking);
         float reached = heights[first] + girih_corners_lacking(weights, vec3(seams.apart[n], seams.apart[end], 0.0),
                                                                vec3(lacking[n], lacking[end], 0.0));
         height += girih_ease(barycentric[n] * barycentric[end] / weight) * (wanted - reached);
