@@ -369,7 +369,9 @@ void girih_cmd_upload_context(const girih_context *context, VkCommandBuffer comm
 }
 
 void girih_context_trim(girih_context *context) {
-    girih_buffer_destroy(context, &context->staging);
+    if (context->staging.memory) {
+        girih_buffer_destroy(context, &context->staging);
+    }
 }
 
 void girih_context_destroy(girih_context *context) {

@@ -30,7 +30,7 @@ typedef struct girih_buffer {
 
 // Where the pipelines' descriptors and push constants are among the host's. Owned copies.
 typedef struct girih_placement {
-    uint32_t set; // girih's set number; a surface program's is the next
+    uint32_t set;                     // girih's set number; a surface program's is the next
     VkDescriptorSetLayout *host_sets; // [set]
     VkPushConstantRange *ranges;
     uint32_t range_count;
@@ -55,7 +55,7 @@ struct girih_context {
     girih_buffer patterns;  // PATTERNS and PATTERN_VERTICES
     girih_buffer indices;   // PATTERN_INDICES, alone: lavapipe ignores the bind offset of index
                             // buffers in indirect draws
-    girih_buffer staging; // both, for girih_cmd_upload_context
+    girih_buffer staging;   // both, for girih_cmd_upload_context
     VkDeviceSize offset[GIRIH_BIND_COUNT]; // of each array in its girih_buffer's range
 
     VkDescriptorSetLayout set_layout;
@@ -99,8 +99,8 @@ struct girih_plan {
     const girih_surface_program *program; // GIRIH_SURFACE_OWN
     girih_mode mode;
     uint32_t outputs;
-    uint32_t variant;     // GIRIH_VARIANT_*, without CULL and the rule
-    girih_arrays arrays;  // counts and frame; the words are gone after the packing
+    uint32_t variant;    // GIRIH_VARIANT_*, without CULL and the rule
+    girih_arrays arrays; // counts and frame; the words are gone after the packing
     girih_buffer buffers[GIRIH_PLAN_BUFFERS]; // WORK: frame block and the plan's arrays; STAGING:
                                               // INSTANCES and BLOCKS for upload; STATUS: what the
                                               // host reads
@@ -189,8 +189,7 @@ uint32_t girih_attribute_words(const girih_plan *plan);
 
 // From the packed counts: windows, offsets, and what every buffer must be.
 girih_result girih_plan_find_needs(girih_plan *plan, const girih_plan_desc *desc,
-                                   girih_buffer_need needs[GIRIH_PLAN_BUFFERS],
-                                   girih_error *error);
+                                   girih_buffer_need needs[GIRIH_PLAN_BUFFERS], girih_error *error);
 // Makes the buffers or takes those given (may be NULL), and fills the staging and status memory.
 girih_result girih_plan_create_buffers(girih_plan *plan, const girih_buffer_range *given,
                                        const girih_buffer_need needs[GIRIH_PLAN_BUFFERS],

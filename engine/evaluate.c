@@ -22,10 +22,9 @@ void girih_record_evaluate(const girih_plan *plan, VkCommandBuffer commands) {
         vk->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
                             girih_surface_pipeline_get(plan->program, plan->variant));
         if (plan->surface_set) {
-            vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
-                                      plan->program->pipeline_layout,
-                                      plan->context->placement.set + 1, 1, &plan->surface_set, 0,
-                                      NULL);
+            vk->CmdBindDescriptorSets(
+                commands, VK_PIPELINE_BIND_POINT_COMPUTE, plan->program->pipeline_layout,
+                plan->context->placement.set + 1, 1, &plan->surface_set, 0, NULL);
         }
     } else {
         girih_bind_pipeline(plan, commands, girih_evaluate_shader(plan), 0);

@@ -172,8 +172,7 @@ girih_statistics girih_read_status(const girih_frame_block *frame, const uint32_
     girih_statistics statistics = {
         .input_triangles = frame->triangle_count,
         .culled_triangles = frame->triangle_count - status[GIRIH_STATUS_ITEMS],
-        .clamped_edges =
-            frame->uniform_clamped != 0 ? frame->edge_count : status[GIRIH_STATUS_CLAMPED],
+        .clamped_edges = status[GIRIH_STATUS_CLAMPED],
         .needed_triangles = wide(status + GIRIH_STATUS_NEEDED_TRIANGLES),
         .needed_vertices = wide(status + GIRIH_STATUS_NEEDED_VERTICES),
         .groups = status[GIRIH_STATUS_GROUPS],

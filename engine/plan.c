@@ -6,6 +6,10 @@
 #include "memory.h"
 #include "pack.h"
 
+#define ALL_OUTPUTS                                                                                \
+    ((uint32_t)(GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_CLOSED_INDICES | GIRIH_OUTPUT_SOURCES |        \
+                GIRIH_OUTPUT_NO_DRAW | GIRIH_OUTPUT_PREVIOUS | GIRIH_OUTPUT_PADDED))
+
 static girih_result validate(const girih_context *context, const girih_plan_desc *desc,
                              girih_error *error) {
     if (!context || !desc || !desc->scene || (desc->instance_count && !desc->instances)) {
@@ -41,11 +45,16 @@ static girih_result validate(const girih_context *context, const girih_plan_desc
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
                           "girih_plan_create: there is no mode %d", (int)desc->mode);
     }
-    if ((desc->outputs & (GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_SOURCES)) &&
+    if (desc->outputs & ~ALL_OUTPUTS) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "girih_plan_create: there are no outputs 0x%x",
+                          desc->outputs & ~ALL_OUTPUTS);
+    }
+    if ((desc->outputs & (GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_SOURCES | GIRIH_OUTPUT_PADDED)) &&
         desc->mode == GIRIH_MODE_INSTANCED) {
-        return girih_fail(
-            error, GIRIH_ERROR_INVALID_ARGUMENT,
-            "girih_plan_create: indices and sources need the baked or the welded mode");
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "girih_plan_create: indices, their padding and sources need the baked or "
+                          "the welded mode");
     }
     if ((desc->outputs & GIRIH_OUTPUT_CLOSED_INDICES) && desc->mode != GIRIH_MODE_WELDED) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
@@ -61,11 +70,11 @@ static girih_result validate(const girih_context *context, const girih_plan_desc
     // The vertex shader reads the scene through one binding.
     if (desc->mode == GIRIH_MODE_INSTANCED && desc->surface == GIRIH_SURFACE_OWN &&
         desc->scene->buffer.size > context->limits.maxStorageBufferRange) {
-        return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
-                          "girih_plan_create: the scene's %llu bytes are more than a storage buffer "
-                          "shows a vertex shader (%u); use the baked mode",
-                          (unsigned long long)desc->scene->buffer.size,
-                          context->limits.maxStorageBufferRange);
+        return girih_fail(
+            error, GIRIH_ERROR_TOO_LARGE,
+            "girih_plan_create: the scene's %llu bytes are more than a storage buffer "
+            "shows a vertex shader (%u); use the baked mode",
+            (unsigned long long)desc->scene->buffer.size, context->limits.maxStorageBufferRange);
     }
     return GIRIH_OK;
 }
@@ -334,7 +343,15 @@ girih_result girih_plan_set_transform(girih_plan *plan, uint32_t instance,
         return result;
     }
     uint32_t *records = plan->buffers[GIRIH_PLAN_STAGING].mapped;
-    girih_pack_transform(records + (size_t)instance * GIRIH_INSTANCE_WORDS, transform, previous);
+    uint32_t *record = records + (size_t)instance * GIRIH_INSTANCE_WORDS;
+    uint32_t moved[GIRIH_INSTANCE_WORDS];
+    memcpy(moved, record, sizeof moved);
+    girih_pack_transform(moved, transform, previous);
+    // A host may set all of its transforms every frame; those that stay do not undo what is there.
+    if (memcmp(moved, record, sizeof moved) == 0) {
+        return GIRIH_OK;
+    }
+    memcpy(record, moved, sizeof moved);
     if (plan->arrays.frame.instance_count == 1) {
         memcpy(plan->arrays.frame.only_instance, records, sizeof plan->arrays.frame.only_instance);
     }

@@ -63,14 +63,14 @@ static girih_result lay_out_work(girih_plan *plan, girih_error *error) {
     girih_arrays *arrays = &plan->arrays;
     VkDeviceSize size = 0;
     girih_layout_arrays(arrays, PLAN_FIRST, PLAN_END, plan->offset, &size);
-    const girih_result result =
-        girih_check_ranges(context, arrays, PLAN_FIRST, PLAN_END, size, "plan", error);
+    plan->frame_offset = (size + 255) / 256 * 256;
+    const girih_result result = girih_check_ranges(context, arrays, PLAN_FIRST, PLAN_END,
+                                                   plan->frame_offset, "plan", error);
     // Arrays that share a buffer binding are told apart by their first word in it.
     for (uint32_t n = GIRIH_BIND_VERTICES; n < PLAN_END; ++n) {
         const VkDeviceSize offset = n < PLAN_FIRST ? plan->scene->offset[n] : plan->offset[n];
         arrays->frame.bases[n / 4][n % 4] = (uint32_t)(offset / 4);
     }
-    plan->frame_offset = (size + 255) / 256 * 256;
     return result;
 }
 
@@ -82,7 +82,8 @@ girih_result girih_plan_find_needs(girih_plan *plan, const girih_plan_desc *desc
     const VkBufferUsageFlags common = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                       VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                                       VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    const VkBufferUsageFlags vertex = common | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | desc->vertex_usage;
+    const VkBufferUsageFlags vertex =
+        common | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | desc->vertex_usage;
     const VkBufferUsageFlags index = common | VK_BUFFER_USAGE_INDEX_BUFFER_BIT | desc->index_usage;
     uint64_t vertices = instanced ? arrays->frame.triangle_count : arrays->frame.max_vertices;
     uint64_t triangles = arrays->frame.max_triangles;
@@ -97,15 +98,13 @@ girih_result girih_plan_find_needs(girih_plan *plan, const girih_plan_desc *desc
     vertices = vertices ? vertices : 1;
     triangles = triangles ? triangles : 1;
     const uint32_t outputs = plan->outputs;
-    needs[GIRIH_PLAN_WORK] =
-        girih_need("plan", plan->frame_offset + sizeof arrays->frame,
-                   common | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
-                       VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT,
-                   false);
-    needs[GIRIH_PLAN_STAGING] = girih_need(
-        "plan staging",
-        (arrays->count[GIRIH_BIND_INSTANCES] + arrays->count[GIRIH_BIND_BLOCKS]) * 4,
-        VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true);
+    needs[GIRIH_PLAN_WORK] = girih_need(
+        "plan", plan->frame_offset + sizeof arrays->frame,
+        common | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, false);
+    needs[GIRIH_PLAN_STAGING] =
+        girih_need("plan staging",
+                   (arrays->count[GIRIH_BIND_INSTANCES] + arrays->count[GIRIH_BIND_BLOCKS]) * 4,
+                   VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true);
     needs[GIRIH_PLAN_STATUS] = girih_need("plan status", arrays->count[GIRIH_BIND_STATUS] * 4,
                                           VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
     needs[GIRIH_PLAN_POSITIONS] =

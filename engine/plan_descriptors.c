@@ -4,7 +4,7 @@
 #include "memory.h"
 
 static VkDescriptorBufferInfo part(const girih_buffer *buffer, VkDeviceSize offset,
-                                         VkDeviceSize size) {
+                                   VkDeviceSize size) {
     return (VkDescriptorBufferInfo){
         .buffer = buffer->buffer, .offset = buffer->offset + offset, .range = size};
 }
@@ -20,14 +20,14 @@ static VkDescriptorBufferInfo frame_info(const girih_plan *plan) {
 
 static void write_binding(const girih_plan *plan, VkDescriptorSet set, uint32_t binding,
                           const VkDescriptorBufferInfo *info) {
-    const VkWriteDescriptorSet write = {
-        .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-        .dstSet = set,
-        .dstBinding = binding,
-        .descriptorCount = 1,
-        .descriptorType = binding == GIRIH_BIND_FRAME ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
-                                                      : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-        .pBufferInfo = info};
+    const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                        .dstSet = set,
+                                        .dstBinding = binding,
+                                        .descriptorCount = 1,
+                                        .descriptorType = binding == GIRIH_BIND_FRAME
+                                                              ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
+                                                              : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                        .pBufferInfo = info};
     plan->context->vk.UpdateDescriptorSets(plan->context->device, 1, &write, 0, NULL);
 }
 
@@ -83,7 +83,7 @@ static VkDescriptorBufferInfo binding_info(const girih_plan *plan, uint32_t n, u
         return part(&scene->buffer, scene->offset[n], scene->arrays.count[n] * 4);
     }
     return part(n == GIRIH_BIND_PATTERN_INDICES ? &context->indices : &context->patterns,
-                      context->offset[n], context->catalogue.count[n] * 4);
+                context->offset[n], context->catalogue.count[n] * 4);
 }
 
 // What girih.glsl reads in a host's vertex shader.
@@ -91,7 +91,7 @@ static void write_draw_set(const girih_plan *plan) {
     const girih_scene *scene = plan->scene;
     const VkDescriptorBufferInfo infos[] = {
         part(&scene->buffer, scene->offset[GIRIH_BIND_ATTRIBUTES],
-                   scene->arrays.count[GIRIH_BIND_ATTRIBUTES] * 4),
+             scene->arrays.count[GIRIH_BIND_ATTRIBUTES] * 4),
         frame_info(plan),
         part(&scene->buffer, 0, scene->buffer.size),
         work_info(plan, 0,

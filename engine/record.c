@@ -9,8 +9,9 @@ void girih_barrier(const girih_context *context, VkCommandBuffer commands,
                    VkPipelineStageFlags from_stage, VkAccessFlags from_access,
                    VkPipelineStageFlags to_stage, VkAccessFlags to_access) {
     if (context->compute_only) {
-        const VkPipelineStageFlags stages = ~(VkPipelineStageFlags)(
-            VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT);
+        const VkPipelineStageFlags stages =
+            ~(VkPipelineStageFlags)(VK_PIPELINE_STAGE_VERTEX_INPUT_BIT |
+                                    VK_PIPELINE_STAGE_VERTEX_SHADER_BIT);
         from_stage &= stages;
         to_stage &= stages;
         to_access &=
@@ -39,10 +40,9 @@ void girih_bind_pipeline(const girih_plan *plan, VkCommandBuffer commands, uint3
 }
 
 void girih_bind_set(const girih_plan *plan, VkCommandBuffer commands, uint32_t set) {
-    plan->context->vk.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
-                                            plan->context->pipeline_layout,
-                                            plan->context->placement.set, 1, &plan->sets[set], 0,
-                                            NULL);
+    plan->context->vk.CmdBindDescriptorSets(
+        commands, VK_PIPELINE_BIND_POINT_COMPUTE, plan->context->pipeline_layout,
+        plan->context->placement.set, 1, &plan->sets[set], 0, NULL);
 }
 
 void girih_push(const girih_plan *plan, VkCommandBuffer commands, const girih_push_block *push) {
@@ -64,9 +64,9 @@ void girih_dispatch_invocations(const girih_plan *plan, VkCommandBuffer commands
 
 void girih_dispatch_items(const girih_plan *plan, VkCommandBuffer commands) {
     const girih_buffer *work = &plan->buffers[GIRIH_PLAN_WORK];
-    plan->context->vk.CmdDispatchIndirect(
-        commands, work->buffer,
-        work->offset + plan->offset[GIRIH_BIND_STATUS] + 4 * GIRIH_STATUS_EVALUATE);
+    plan->context->vk.CmdDispatchIndirect(commands, work->buffer,
+                                          work->offset + plan->offset[GIRIH_BIND_STATUS] +
+                                              4 * GIRIH_STATUS_EVALUATE);
 }
 
 static void timestamp(const girih_plan *plan, VkCommandBuffer commands,
@@ -96,13 +96,12 @@ static void record_begin(girih_plan *plan, VkCommandBuffer commands) {
     const girih_buffer *work = &plan->buffers[GIRIH_PLAN_WORK];
     const girih_buffer *staging = &plan->buffers[GIRIH_PLAN_STAGING];
     const VkDeviceSize instances = arrays->count[GIRIH_BIND_INSTANCES] * 4;
-    const VkBufferCopy copies[2] = {
-        {.srcOffset = staging->offset,
-         .dstOffset = work->offset + plan->offset[GIRIH_BIND_INSTANCES],
-         .size = instances},
-        {.srcOffset = staging->offset + instances,
-         .dstOffset = work->offset + plan->offset[GIRIH_BIND_BLOCKS],
-         .size = arrays->count[GIRIH_BIND_BLOCKS] * 4}};
+    const VkBufferCopy copies[2] = {{.srcOffset = staging->offset,
+                                     .dstOffset = work->offset + plan->offset[GIRIH_BIND_INSTANCES],
+                                     .size = instances},
+                                    {.srcOffset = staging->offset + instances,
+                                     .dstOffset = work->offset + plan->offset[GIRIH_BIND_BLOCKS],
+                                     .size = arrays->count[GIRIH_BIND_BLOCKS] * 4}};
     vk->CmdCopyBuffer(commands, staging->buffer, work->buffer, 2, copies);
     vk->CmdUpdateBuffer(commands, work->buffer, work->offset + plan->frame_offset,
                         sizeof arrays->frame, &arrays->frame);
@@ -198,8 +197,8 @@ girih_result girih_cmd_refine(girih_plan *plan, VkCommandBuffer commands, const 
                       VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT |
                       VK_PIPELINE_STAGE_TRANSFER_BIT,
                   VK_ACCESS_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_INDEX_READ_BIT |
-                      VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_SHADER_READ_BIT |
-                      VK_ACCESS_TRANSFER_READ_BIT);
+                      VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_UNIFORM_READ_BIT |
+                      VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT);
     const girih_buffer *work = &plan->buffers[GIRIH_PLAN_WORK];
     const girih_buffer *status = &plan->buffers[GIRIH_PLAN_STATUS];
     const VkBufferCopy copy = {.srcOffset = work->offset + plan->offset[GIRIH_BIND_STATUS],
@@ -229,25 +228,22 @@ void girih_cmd_draw(const girih_plan *plan, VkCommandBuffer commands, uint32_t m
     const girih_buffer *work = &plan->buffers[GIRIH_PLAN_WORK];
     const girih_buffer *positions = &plan->buffers[GIRIH_PLAN_POSITIONS];
     const girih_buffer *attributes = &plan->buffers[GIRIH_PLAN_ATTRIBUTES];
-    const VkBuffer vertex_buffers[2] = {
-        instanced ? context->patterns.buffer : positions->buffer, attributes->buffer};
+    const VkBuffer vertex_buffers[2] = {instanced ? context->patterns.buffer : positions->buffer,
+                                        attributes->buffer};
     const VkDeviceSize vertex_offsets[2] = {
         instanced ? context->patterns.offset + context->offset[GIRIH_BIND_PATTERN_VERTICES]
                   : positions->offset,
         attributes->offset};
     vk->CmdBindVertexBuffers(commands, 0, 2, vertex_buffers, vertex_offsets);
-    if (instanced && layout &&
-        (frame->attribute_floats || plan->surface == GIRIH_SURFACE_OWN)) {
+    if (instanced && layout && (frame->attribute_floats || plan->surface == GIRIH_SURFACE_OWN)) {
         vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, set, 1,
                                   &plan->draw_set, 0, NULL);
     }
     // Bound at 0: lavapipe ignores the offset in indirect draws, so it is in their first index.
-    vk->CmdBindIndexBuffer(commands,
-                           pattern_indices ? context->indices.buffer
-                                           : plan->buffers[GIRIH_PLAN_INDICES].buffer,
-                           0,
-                           pattern_indices && frame->index_bytes == 2 ? VK_INDEX_TYPE_UINT16
-                                                                      : VK_INDEX_TYPE_UINT32);
+    vk->CmdBindIndexBuffer(
+        commands,
+        pattern_indices ? context->indices.buffer : plan->buffers[GIRIH_PLAN_INDICES].buffer, 0,
+        pattern_indices && frame->index_bytes == 2 ? VK_INDEX_TYPE_UINT16 : VK_INDEX_TYPE_UINT32);
     const uint32_t stride = sizeof(VkDrawIndexedIndirectCommand);
     VkDeviceSize offset = work->offset + plan->offset[GIRIH_BIND_DRAWS] +
                           (VkDeviceSize)material * frame->draws_per_material * stride;

@@ -11,8 +11,8 @@
     (GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES |                    \
      GIRIH_VARIANT_WELDED | GIRIH_VARIANT_DYNAMIC | GIRIH_VARIANT_PREVIOUS)
 
-// Copies the module that the context takes. A surface without modules is drawn in the instanced mode
-// alone.
+// Copies the module that the context takes. A surface without modules is drawn in the instanced
+// mode alone.
 static girih_result take_module(girih_surface_program *program,
                                 const girih_surface_program_desc *desc, girih_error *error) {
     const girih_context *context = program->context;
@@ -34,7 +34,8 @@ static girih_result take_module(girih_surface_program *program,
     }
     memcpy(program->words, words, bytes);
     program->bytes = bytes;
-    // Compiled for the host's sets already (GIRIH_SET), so it moves nowhere: only whether it is SPIR-V.
+    // Compiled for the host's sets already (GIRIH_SET), so it moves nowhere: only whether it is
+    // SPIR-V.
     if (!girih_spirv_place(program->words, bytes, 0, 0)) {
         return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
                           "surface: the %llu bytes of %s are no SPIR-V module; compile the surface "
@@ -105,11 +106,6 @@ void girih_surface_program_destroy(girih_surface_program *program) {
 
 girih_result girih_surface_pipeline_need(const girih_surface_program *program, uint32_t variant,
                                          girih_error *error) {
-    if (!program->words) {
-        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
-                          "plan: the surface has no module for baking; give its program bake or "
-                          "bake_few, or draw it in the instanced mode");
-    }
     const _Atomic(VkPipeline) *slot =
         &program->pipelines[girih_variant_slot(variant, SURFACE_VARIANTS)];
     if (atomic_load(slot)) {

@@ -55,6 +55,9 @@ void main() {
     }
     if (rule == GIRIH_LEVELS_UNIFORM) {
         GIRIH_AT_LEVELS(edge) = girih_frame.uniform_level;
+        if (edge == 0u && girih_frame.uniform_clamped != 0u) {
+            GIRIH_AT_STATUS(GIRIH_STATUS_CLAMPED) = girih_frame.edge_count;
+        }
         return;
     }
     uint instance = girih_find_instance(edge, GIRIH_INSTANCE_FIRST_EDGE, girih_frame.edge_blocks);

@@ -117,6 +117,11 @@ failure() { # WORDS OPTION...
     done
 }
 failure "girih: syntax.glsl:3: '' :  syntax error" --surface syntax.glsl
+printf 'vec3 girih_surface(GirihPatch patch_, vec3 b) {\n    return girih_base_position(patch_, b);\n' >open.glsl
+failure "girih: open.glsl:2: something is not closed by the end of the file" --surface open.glsl
+printf 'layout(set = 1, binding = 0) uniform sampler2D own;\nvec3 girih_surface(GirihPatch patch_, vec3 b) {\n' >texture.glsl
+printf '    return girih_base_position(patch_, b) * textureLod(own, b.xy, 0.0).x;\n}\n' >>texture.glsl
+failure "girih: texture.glsl: declares 'own', a texture or buffer that the command line cannot fill" --surface texture.glsl
 failure "girih: deeper.glsl:3: 'unknown' : undeclared identifier" --surface deep.glsl
 # shellcheck disable=SC2016 # the message's own quotes
 lacking='girih: none.glsl: defines no function `vec3 girih_surface(GirihPatch, vec3)`'

@@ -77,9 +77,21 @@ programs() {
         cp -r "$example" "$place"
         make -C "$place" CC="$compiler" all || fail "examples/$name does not build ($linked)"
         check_linked "$linked" "$place/$name"
-        (cd "$place" && timeout 90 "./$name") || fail "examples/$name failed ($linked)"
+        run "$place" || fail "examples/$name failed ($linked)"
+        if [[ $name == renderer ]]; then
+            run "$place" baked || fail "examples/renderer baked failed ($linked)"
+            run "$place" threads || fail "examples/renderer threads failed ($linked)"
+        fi
     done
     [[ $count -gt 0 ]] || fail "no program in examples/"
+}
+
+# run PLACE [ARGUMENT...]: an example in its folder.
+run() {
+    local said
+    said=$(cd "$1" && timeout 90 "./${1##*/}" "${@:2}") || return
+    printf '%s\n' "$said"
+    [[ $said != *'not validated'* ]] || fail 'the Khronos validation layer is not installed'
 }
 
 check_linked() {

@@ -111,8 +111,7 @@ static float dot(const float a[3], const float b[3]) {
     return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
 
-static float corners_lacking(const float weights[3], const float apart[3],
-                             const float lacking[3]) {
+static float corners_lacking(const float weights[3], const float apart[3], const float lacking[3]) {
     float sum = dot(weights, apart);
     return sum > 0.0f ? ease(sum) / sum * dot(weights, lacking) : 0.0f;
 }

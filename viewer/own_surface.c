@@ -100,6 +100,30 @@ static uint32_t bits_of(float value) {
     return bits;
 }
 
+// The name of a texture or buffer that neither girih nor the viewer declares; NULL: there is none.
+// Pipelines that read what no descriptor shows would crash the driver.
+static const char *find_foreign_resource(const uint32_t *words, size_t count) {
+    enum { OP_NAME = 5, OP_DECORATE = 71, DECORATION_SET = 34 };
+    for (size_t at = 5; at < count && words[at] >> 16 != 0; at += words[at] >> 16) {
+        if ((words[at] & 0xffff) != OP_DECORATE || words[at + 2] != DECORATION_SET) {
+            continue;
+        }
+        // Names come before decorations. The arrays of girih and of the viewer have empty ones.
+        uint32_t set = words[at + 3];
+        for (size_t name = 5; name < at; name += words[name] >> 16) {
+            const char *text = (const char *)(words + name + 2);
+            if ((words[name] & 0xffff) != OP_NAME || words[name + 1] != words[at + 1]) {
+                continue;
+            }
+            if (text[0] == '\0' ? set != 0 && set != GIRIH_DRAW_SET
+                                : strncmp(text, "girih_", 6) != 0 && strcmp(text, "picture") != 0) {
+                return text[0] == '\0' ? "a block without a name" : text;
+            }
+        }
+    }
+    return NULL;
+}
+
 // The whole shader: what it is for, girih's GLSL, then the surface, so that an error in the user's
 // file cannot be taken for one after it.
 static girih_result compile(const girih_own_surface *surface, girih_shader_stage stage,
@@ -159,7 +183,17 @@ static girih_result compile(const girih_own_surface *surface, girih_shader_stage
         .function = is_displaced ? "girih_undisplaced" : "girih_surface",
         .declaration = "vec3 girih_surface(GirihPatch, vec3)",
     };
-    return girih_shader_compile(&request, words, bytes, error);
+    girih_result result = girih_shader_compile(&request, words, bytes, error);
+    const char *foreign = result == GIRIH_OK ? find_foreign_resource(*words, *bytes / 4) : NULL;
+    if (foreign != NULL) {
+        result = girih_fail(error, GIRIH_ERROR_INVALID_DATA,
+                            "%.200s: declares '%.100s', a texture or buffer that the command line "
+                            "cannot fill; a host of the library can",
+                            options->file, foreign);
+        free(*words);
+        *words = NULL;
+    }
+    return result;
 }
 
 // --- The height map on the device ---

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "error.h"
+#include "input_file.h"
 #include "shader_includes.h"
 
 // What glslang has logged, cut into errors.
@@ -101,18 +102,42 @@ static void take_log(const girih_shader_request *request, const girih_shader_tex
     }
 }
 
+static unsigned long count_lines(const char *path) {
+    char *bytes = NULL;
+    size_t size = 0;
+    unsigned long lines = 1;
+    if (girih_input_read(path, &bytes, &size, NULL) == GIRIH_OK) {
+        for (size_t n = 0; n + 1 < size; n++) {
+            lines += bytes[n] == '\n';
+        }
+    }
+    free(bytes);
+    return lines;
+}
+
 static girih_result report(const girih_shader_request *request, const error_list *errors,
                            const char *log, girih_error *error) {
     if (errors->lacks_function && errors->count_of_user == 0) {
         return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "%.200s: defines no function `%s`",
                           request->user_file, request->declaration);
     }
+    const char *whole = request->user_file != NULL ? request->user_file : request->source_name;
     if (errors->count == 0) {
         char line[300];
         snprintf(line, sizeof line, "%s", log != NULL ? log : "");
         trim(line);
-        return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "%s: cannot be compiled: %s",
-                          request->source_name, line);
+        for (char *at = line; *at != '\0'; at++) {
+            *at = *at == '\n' ? ' ' : *at;
+        }
+        return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "%.200s: cannot be compiled: %s", whole,
+                          line);
+    }
+    if (errors->count_of_user == 0 && request->user_file != NULL) {
+        // What follows the user's text is in order, so something in it reaches beyond its end.
+        return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
+                          "%.200s:%lu: something is not closed by the end of the file: a brace, a "
+                          "parenthesis, a semicolon or an #endif is missing",
+                          whole, count_lines(request->user_file));
     }
     bool has_user = errors->count_of_user != 0;
     uint32_t count = has_user ? errors->count_of_user : errors->count;

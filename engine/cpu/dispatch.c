@@ -50,8 +50,10 @@ static uint32_t item_vertices(const girih_arrays *arrays, uint32_t rank) {
     return vertices;
 }
 
-// What evaluate and output need of the group `group` whose items are drawn as those of group `drawn`.
-static void write_record(girih_arrays *arrays, uint32_t group, uint32_t drawn, uint32_t first_item) {
+// What evaluate and output need of the group `group` whose items are drawn as those of group
+// `drawn`.
+static void write_record(girih_arrays *arrays, uint32_t group, uint32_t drawn,
+                         uint32_t first_item) {
     const uint32_t range = drawn % arrays->frame.range_count;
     const uint32_t rank = girih_range_rank(arrays, range);
     const bool mirrored = range != girih_pattern(arrays, rank, GIRIH_PATTERN_RANGE);
@@ -61,8 +63,9 @@ static void write_record(girih_arrays *arrays, uint32_t group, uint32_t drawn, u
     words[GIRIH_GROUP_PATTERN_VERTEX] = girih_pattern(arrays, rank, GIRIH_PATTERN_FIRST_VERTEX);
     words[GIRIH_GROUP_BASE_VERTEX] = girih_group_word(arrays, drawn, GIRIH_GROUP_FIRST_VERTEX) -
                                      first_item * item_vertices(arrays, rank);
-    words[GIRIH_GROUP_BASE_TRIANGLE] = girih_group_word(arrays, drawn, GIRIH_GROUP_FIRST_TRIANGLE) -
-                                       first_item * girih_pattern(arrays, rank, GIRIH_PATTERN_TRIANGLES);
+    words[GIRIH_GROUP_BASE_TRIANGLE] =
+        girih_group_word(arrays, drawn, GIRIH_GROUP_FIRST_TRIANGLE) -
+        first_item * girih_pattern(arrays, rank, GIRIH_PATTERN_TRIANGLES);
 }
 
 // Adds what one group adds.
@@ -108,8 +111,7 @@ static void write_groups(girih_arrays *arrays, bool level0, uint64_t border) {
     sums before = {0};
     for (uint32_t group = 0; group < frame->group_count; ++group) {
         const span items = group_items(arrays, group, level0);
-        uint32_t *words =
-            arrays->words[GIRIH_BIND_GROUPS] + (size_t)group * GIRIH_GROUP_WORDS;
+        uint32_t *words = arrays->words[GIRIH_BIND_GROUPS] + (size_t)group * GIRIH_GROUP_WORDS;
         words[GIRIH_GROUP_FIRST_VERTEX] = (uint32_t)(before.vertices + border);
         words[GIRIH_GROUP_FIRST_TRIANGLE] = (uint32_t)before.triangles;
         words[GIRIH_GROUP_FIRST_DRAW] = before.draws;
@@ -139,8 +141,7 @@ static void merge_groups(girih_arrays *arrays) {
     for (uint32_t material = 0; material < frame->material_count; ++material) {
         const uint32_t group = material * frame->range_count;
         const span items = group_items(arrays, group, true);
-        uint32_t *words =
-            arrays->words[GIRIH_BIND_GROUPS] + (size_t)group * GIRIH_GROUP_WORDS;
+        uint32_t *words = arrays->words[GIRIH_BIND_GROUPS] + (size_t)group * GIRIH_GROUP_WORDS;
         for (uint32_t n = 0; n < frame->range_count; ++n, words += GIRIH_GROUP_WORDS) {
             words[GIRIH_GROUP_FIRST] = n == 0 ? items.first : items.end;
             words[GIRIH_GROUP_END] = items.end;
@@ -191,8 +192,8 @@ static void write_baked_draw(girih_arrays *arrays, uint32_t slot) {
     const uint32_t material = slot / frame->draws_per_material;
     uint32_t low = material * frame->range_count;
     uint32_t high = low + frame->range_count;
-    const uint32_t draw = girih_group_word(arrays, low, GIRIH_GROUP_FIRST_DRAW) +
-                          slot % frame->draws_per_material;
+    const uint32_t draw =
+        girih_group_word(arrays, low, GIRIH_GROUP_FIRST_DRAW) + slot % frame->draws_per_material;
     uint32_t *arguments = arrays->words[GIRIH_BIND_DRAWS] + (size_t)slot * GIRIH_DRAW_WORDS;
     memset(arguments, 0, GIRIH_DRAW_WORDS * sizeof *arguments);
     if (frame->pattern_draws == 0) {

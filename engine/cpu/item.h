@@ -114,11 +114,11 @@ static inline void girih_item_patch(const girih_arrays *arrays, const girih_item
 
 // Where a base pattern's vertices go when points are shared (GIRIH_OUTPUT_WELDED).
 typedef struct girih_weld {
-    uint32_t corners[3];  // output vertex of each corner
-    uint32_t edges[3]; // output vertex of the first inner vertex of each edge, in canonical order
-    bool reversed[3];     // the pattern runs along the edge against the canonical order
+    uint32_t corners[3]; // output vertex of each corner
+    uint32_t edges[3];   // output vertex of the first inner vertex of each edge, in canonical order
+    bool reversed[3];    // the pattern runs along the edge against the canonical order
     uint32_t segments[3];
-    uint32_t interior;    // output vertex of the first interior vertex
+    uint32_t interior; // output vertex of the first interior vertex
 } girih_weld;
 
 // `closed`: by position alone, through the vertex and weld edge that stand for all at one place.
@@ -136,8 +136,9 @@ static inline girih_weld girih_item_weld(const girih_arrays *arrays, const girih
         uint32_t edge = word & GIRIH_WELD_MASK;
         uint32_t vertex = vertices[n];
         if (closed) {
-            edge = girih_word(arrays, GIRIH_BIND_EDGES,
-                              2 * (size_t)girih_word(arrays, GIRIH_BIND_WELD_EDGES, 2 * (size_t)edge));
+            edge =
+                girih_word(arrays, GIRIH_BIND_EDGES,
+                           2 * (size_t)girih_word(arrays, GIRIH_BIND_WELD_EDGES, 2 * (size_t)edge));
             vertex = girih_word(arrays, GIRIH_BIND_POINTS, 2 * (size_t)vertex);
         }
         weld.corners[n] = vertex + vertex_delta;

@@ -97,6 +97,7 @@ void girih_twin_levels(girih_arrays *arrays) {
     for (uint32_t edge = 0; edge < frame->edge_count; ++edge) {
         if (frame->rule == GIRIH_LEVELS_UNIFORM) {
             levels[edge] = frame->uniform_level;
+            status[GIRIH_STATUS_CLAMPED] = frame->uniform_clamped != 0 ? frame->edge_count : 0;
             continue;
         }
         const uint32_t instance =

@@ -65,8 +65,8 @@ void girih_twin_output(girih_arrays *arrays, uint32_t outputs) {
 
 // Output vertices inside the plan's weld edge.
 static uint32_t inner_vertices(const girih_arrays *arrays, uint32_t weld_edge) {
-    const uint32_t instance = girih_find_instance(
-        arrays, weld_edge, GIRIH_INSTANCE_FIRST_WELD_EDGE, arrays->frame.weld_blocks);
+    const uint32_t instance = girih_find_instance(arrays, weld_edge, GIRIH_INSTANCE_FIRST_WELD_EDGE,
+                                                  arrays->frame.weld_blocks);
     const uint32_t scene_weld_edge =
         weld_edge - girih_instance_word(arrays, instance, GIRIH_INSTANCE_WELD_DELTA);
     const uint32_t level =

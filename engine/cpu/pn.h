@@ -31,10 +31,10 @@ static inline void girih_pn_edge(const girih_arrays *arrays, girih_vector p, gir
     const girih_vector a_q = girih_vertex_normal(arrays, seam[1 - at_p]);
     const girih_vector b_p = girih_vertex_normal(arrays, seam[2 + at_p]);
     const girih_vector b_q = girih_vertex_normal(arrays, seam[3 - at_p]);
-    *near_p = girih_scale(
-        girih_add(girih_pn_edge_point(p, q, a_p), girih_pn_edge_point(p, q, b_p)), 0.5f);
-    *near_q = girih_scale(
-        girih_add(girih_pn_edge_point(q, p, a_q), girih_pn_edge_point(q, p, b_q)), 0.5f);
+    *near_p = girih_scale(girih_add(girih_pn_edge_point(p, q, a_p), girih_pn_edge_point(p, q, b_p)),
+                          0.5f);
+    *near_q = girih_scale(girih_add(girih_pn_edge_point(q, p, a_q), girih_pn_edge_point(q, p, b_q)),
+                          0.5f);
 }
 
 // The mid-edge normal: N_p + N_q reflected in the plane perpendicular to the edge.

@@ -36,8 +36,7 @@ static bool outside_frustum(const girih_frame_block *frame, const girih_vector *
                       girih_scale(t->row[2], plane.z));
         const float radius = girih_dot(girih_absolute(normal), extent);
         // Slack for the rounding of the test itself: culling may never open a hole.
-        const float slack =
-            (radius + girih_length_bound(plane) * girih_length_bound(size)) * 1e-5f;
+        const float slack = (radius + girih_length_bound(plane) * girih_length_bound(size)) * 1e-5f;
         if (distance + (radius + slack) < 0.0f) {
             return true;
         }
@@ -103,16 +102,16 @@ static bool is_culled(const girih_arrays *arrays, uint32_t scene_triangle, uint3
     girih_vector p[CONTROL_POINTS];
     girih_vector normals[3];
     for (uint32_t n = 0; n < 3; ++n) {
-        const uint32_t vertex = girih_word(arrays, GIRIH_BIND_TRIANGLE_VERTICES,
-                                           3 * (size_t)scene_triangle + n);
+        const uint32_t vertex =
+            girih_word(arrays, GIRIH_BIND_TRIANGLE_VERTICES, 3 * (size_t)scene_triangle + n);
         p[n] = girih_vertex_position(arrays, vertex);
         normals[n] = girih_vertex_normal(arrays, vertex);
     }
     int count = CORNERS;
     if (surface == GIRIH_SURFACE_PN) {
-        const girih_pn_points c = girih_make_pn_points(
-            arrays, p, normals, edges,
-            girih_instance_word(arrays, instance, GIRIH_INSTANCE_SEAM_DELTA));
+        const girih_pn_points c =
+            girih_make_pn_points(arrays, p, normals, edges,
+                                 girih_instance_word(arrays, instance, GIRIH_INSTANCE_SEAM_DELTA));
         p[3] = c.b210;
         p[4] = c.b120;
         p[5] = c.b021;

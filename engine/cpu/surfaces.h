@@ -19,9 +19,8 @@ typedef struct girih_patch {
 
 static inline girih_vector girih_patch_position(const girih_patch *p, float u, float v, float w) {
     if (p->surface != GIRIH_SURFACE_PN) {
-        return girih_no_negative_zeros(
-            girih_add(girih_add(girih_scale(p->b300, u), girih_scale(p->b030, v)),
-                      girih_scale(p->b003, w)));
+        return girih_no_negative_zeros(girih_add(
+            girih_add(girih_scale(p->b300, u), girih_scale(p->b030, v)), girih_scale(p->b003, w)));
     }
     const float uu = u * u;
     const float vv = v * v;
@@ -36,9 +35,8 @@ static inline girih_vector girih_patch_position(const girih_patch *p, float u, f
     const girih_vector edge31 =
         girih_add(girih_scale(p->b102, ww * u), girih_scale(p->b201, uu * w));
     const girih_vector edges = girih_add(girih_add(edge12, edge23), edge31);
-    return girih_no_negative_zeros(
-        girih_add(girih_add(corners, girih_scale(edges, 3.0f)),
-                  girih_scale(p->b111, ((u * v) * w) * 6.0f)));
+    return girih_no_negative_zeros(girih_add(girih_add(corners, girih_scale(edges, 3.0f)),
+                                             girih_scale(p->b111, ((u * v) * w) * 6.0f)));
 }
 
 // The linear or quadratic normal, not normalised.

@@ -177,7 +177,8 @@ int main(void) {
         .pCommandBuffers = &commands), VK_NULL_HANDLE));
     TRY(vkQueueWaitIdle(queue));
     const girih_statistics done = girih_plan_statistics(plan);
-    printf("%d triangles refined to %d\n", (int)done.input_triangles, (int)done.output_triangles);
+    printf("%d triangles refined to %d, %s\n", (int)done.input_triangles,
+        (int)done.output_triangles, messenger ? "validated" : "not validated");
     unsigned char *pixels;
     TRY(vkMapMemory(device, buffer_memory, 0, VK_WHOLE_SIZE, 0, (void **)&pixels));
     FILE *file = fopen("minimal.ppm", "wb");

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-girih_error host_error;
+_Thread_local girih_error host_error;
 
 int host_failed(int result, const char *call) {
     if (result != 0) {

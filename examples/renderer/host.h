@@ -2,6 +2,8 @@
 #ifndef HOST_H
 #define HOST_H
 
+#include <stdatomic.h>
+
 #include <girih/girih.h>
 #include <vulkan/vulkan.h>
 
@@ -17,7 +19,7 @@
 typedef struct host {
     VkInstance instance;
     VkDebugUtilsMessengerEXT messenger;
-    unsigned messages; // of the validation layer
+    atomic_uint messages; // of the validation layer, in whatever thread
     VkPhysicalDevice physical_device;
     VkPhysicalDeviceProperties properties;
     VkPhysicalDeviceFeatures features; // enabled
@@ -38,7 +40,7 @@ typedef struct host_image {
     VkImageView view;
 } host_image;
 
-extern girih_error host_error; // of the last call of girih's that failed
+extern _Thread_local girih_error host_error; // of the thread's last call of girih's that failed
 
 // Says what failed, if it did.
 int host_failed(int result, const char *call);

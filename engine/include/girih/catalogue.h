@@ -1,7 +1,9 @@
 // Catalogues of base patterns: the offline half of ARKFPI (Lenz, Cavalcante-Neto, Vidal 2009).
 //
 // A catalogue is a block of bytes that is used where it lies: every table is found by an offset in
-// the header, nothing is parsed or copied. doc/catalogue.md describes the format.
+// the header, nothing is parsed or copied. doc/catalogue.md describes the format. Every function
+// may be called by several threads at once.
+//
 // Stability: stable
 #ifndef GIRIH_CATALOGUE_H
 #define GIRIH_CATALOGUE_H

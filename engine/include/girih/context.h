@@ -1,7 +1,9 @@
 // Requirements and context: girih on one Vulkan device.
 //
 // Instance, device, queues, command buffers and submission are the host's. girih calls Vulkan
-// through the host's vkGetInstanceProcAddr alone and does not link the loader.
+// through the host's vkGetInstanceProcAddr alone and does not link the loader. Where nothing else
+// is said, functions that take const objects may be called by several threads at once.
+//
 // Stability: stable, but for host_set_layouts and push_constant_* (experimental)
 #ifndef GIRIH_CONTEXT_H
 #define GIRIH_CONTEXT_H
@@ -17,14 +19,14 @@ extern "C" {
 
 // --- Requirements: read before the device is created --------------------------------------------
 
-// What girih needs of a device: Vulkan 1.1 with its required limits, and nothing else; no extension.
-// Optional features and further limits are used where they are there.
+// What girih needs of a device: Vulkan 1.1 with its required limits, and nothing else; no
+// extension. Optional features and further limits are used where they are there.
 typedef struct girih_requirements {
     uint32_t api_version;              // VK_API_VERSION_1_1
     VkQueueFlags queue;                // what the queue that runs girih's commands must offer
     VkPhysicalDeviceFeatures optional; // worth enabling: each is VK_TRUE
-    VkPhysicalDeviceLimits required;   // the least that will do; limits girih does not look at are 0
-    VkPhysicalDeviceLimits useful;     // beyond these nothing gets better, likewise
+    VkPhysicalDeviceLimits required; // the least that will do; limits girih does not look at are 0
+    VkPhysicalDeviceLimits useful;   // beyond these nothing gets better, likewise
 } girih_requirements;
 GIRIH_API girih_requirements girih_get_requirements(void);
 
@@ -83,12 +85,13 @@ typedef struct girih_context_desc {
     VkPipelineCache pipeline_cache; // may be VK_NULL_HANDLE; must outlive the context
     const VkAllocationCallbacks *allocation_callbacks; // may be NULL; must outlive the context
 
-    // Where girih's compute pipelines have their descriptors and push constants, for hosts that keep
-    // sets of their own bound throughout: girih's set number is host_set_layout_count, and its
+    // Where girih's compute pipelines have their descriptors and push constants, for hosts that
+    // keep sets of their own bound throughout: girih's set number is host_set_layout_count, and its
     // pipeline layouts begin with the host's layouts, so that recording disturbs none of them. The
     // layouts must outlive the context. At least two sets must be left: maxBoundDescriptorSets - 2.
-    // Storage buffers that the host's layouts show the compute stage count together with girih's (30,
-    // or 4 with few_buffers) against maxPerStageDescriptorStorageBuffers: the host must add them up.
+    // Storage buffers that the host's layouts show the compute stage count together with girih's
+    // (30, or 4 with few_buffers) against maxPerStageDescriptorStorageBuffers: the host must add
+    // them up.
     const VkDescriptorSetLayout *host_set_layouts; // NULL where the count is 0
     uint32_t host_set_layout_count;
     // The host's push constant ranges, copied into girih's pipeline layouts; one of them must offer

@@ -1,6 +1,8 @@
 // The six stages on the CPU: the reference for tests, the path for machines without Vulkan, and
 // what picking or physics can call. Integers and positions are bit-identical to the GPU's on
-// devices that round as IEEE 754 and keep denormals.
+// devices that round as IEEE 754 and keep denormals. Every function may be called by several
+// threads at once.
+//
 // Stability: stable
 #ifndef GIRIH_CPU_H
 #define GIRIH_CPU_H
@@ -42,8 +44,8 @@ GIRIH_API void girih_cpu_base_position(const girih_cpu_patch *patch, const float
 GIRIH_API void girih_cpu_base_normal(const girih_cpu_patch *patch, const float barycentric[3],
                                      float normal[3]);
 
-// The way of a point that goes `height` mesh units along a unit normal, both in the world: as if the
-// mesh had been displaced before it was placed, whatever the transform's scales are.
+// The way of a point that goes `height` mesh units along a unit normal, both in the world: as if
+// the mesh had been displaced before it was placed, whatever the transform's scales are.
 GIRIH_API void girih_cpu_displacement(const girih_cpu_patch *patch, const float normal[3],
                                       float height, float offset[3]);
 
@@ -57,7 +59,8 @@ typedef struct girih_cpu_desc {
     uint32_t instance_count;
     girih_surface surface;
     girih_mode mode;                      // GIRIH_MODE_INSTANCED gives the same arrays as BAKED
-    uint32_t outputs;                     // girih_output_bits; PREVIOUS is the GPU's alone
+    uint32_t outputs;                     // girih_output_bits; PREVIOUS and PADDED are the GPU's
+                                          // alone
     uint64_t max_vertices, max_triangles; // 0: as many as needed
     // GIRIH_SURFACE_OWN: the surface, what it is handed, and, as in girih_surface_program_desc,
     // what it stands on and what culling may rely on.

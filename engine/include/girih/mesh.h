@@ -22,8 +22,8 @@ typedef struct girih_submesh {
 
 #define GIRIH_MAX_MATERIALS 65536u
 
-// The largest magnitude of a coordinate or a transform's element; beyond it products could overflow,
-// and an infinity times 0 would tear edges apart.
+// The largest magnitude of a coordinate or a transform's element; beyond it products could
+// overflow, and an infinity times 0 would tear edges apart.
 #define GIRIH_MAX_COORDINATE 1e15f
 
 // How normals are made where a mesh comes without.
@@ -102,8 +102,8 @@ typedef struct girih_mesh {
     const uint32_t *triangle_weld_edges; // [triangle_count][3], bit 31: the triangle runs along it
                                          // against the canonical order of its edge
     const uint32_t *triangle_source;     // [triangle_count] input triangle: its first index / 3
-    const uint32_t *edge_points; // [edge_count][2] vertices (each its own vertex_point) in
-                                 // canonical order
+    const uint32_t *edge_points;         // [edge_count][2] vertices (each its own vertex_point) in
+                                         // canonical order
     const uint32_t *seams; // [seam_count][4] vertices whose normals the sides have: side A at the
                            // first end, at the second; side B at the first, at the second
     const uint32_t *weld_edge_edge; // [weld_edge_count] its edge
@@ -114,7 +114,7 @@ typedef struct girih_mesh {
     const uint32_t *edge_owner;      // [edge_count] its edge there
     const uint32_t *weld_edge_owner; // [weld_edge_count] its edge there
     const uint32_t *vertex_owner;    // [vertex_count] its corner there, by the vertex's index
-    const girih_submesh *submeshes; // [submesh_count] ranges of triangle_vertices after dropping
+    const girih_submesh *submeshes;  // [submesh_count] ranges of triangle_vertices after dropping
 
     float bounds_min[3], bounds_max[3]; // of the positions; 0 for an empty mesh
 

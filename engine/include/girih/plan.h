@@ -1,4 +1,7 @@
 // Scene, frame and plan: what is refined, how finely, and into which buffers.
+//
+// Where nothing else is said, functions that take const objects may be called by several threads at
+// once, and those that take others are externally synchronised on them.
 // Stability: stable, but for own surfaces and previous positions (experimental)
 #ifndef GIRIH_PLAN_H
 #define GIRIH_PLAN_H
@@ -27,11 +30,11 @@ typedef enum girih_scene_buffer {
 typedef struct girih_scene_desc {
     const girih_mesh *const *meshes; // of equal attribute_floats; read during the call only
     uint32_t mesh_count;
-    int dynamic;  // not 0: the host moves the vertices on the GPU (girih_scene_vertices); the meshes
-                  // must have been prepared as dynamic
-    int previous; // not 0, dynamic scenes: the previous frame's vertices are kept beside the current
-                  // ones (girih_cmd_keep_vertices)
-    VkBufferUsageFlags usage; // usage flags the host wants beside girih's own on the arena
+    int dynamic; // not 0: the host moves the vertices on the GPU (girih_scene_vertices); the meshes
+                 // must have been prepared as dynamic
+    int previous; // not 0, dynamic scenes: the previous frame's vertices are kept beside the
+                  // current ones (girih_cmd_keep_vertices)
+    VkBufferUsageFlags usage;          // usage flags the host wants beside girih's own on the arena
     const girih_buffer_range *buffers; // [GIRIH_SCENE_BUFFERS]; NULL: girih makes all. They must
                                        // outlive the scene and stay the host's
 } girih_scene_desc;
@@ -48,7 +51,8 @@ GIRIH_API girih_result girih_scene_create(const girih_context *context,
                                           girih_error *error);
 
 // Records the upload of a scene: begins with no access, ends with transfer writes made available
-// and visible to compute and vertex shader reads. Externally synchronised on the scene.
+// and visible to compute and vertex shader reads and to compute and transfer writes. Externally
+// synchronised on the scene.
 GIRIH_API void girih_cmd_upload_scene(girih_scene *scene, VkCommandBuffer commands);
 
 // Frees the upload's staging buffer, if it is girih's, once the recorded upload has been executed.
@@ -64,9 +68,9 @@ GIRIH_API void girih_scene_trim(girih_scene *scene);
 //  - after them nothing is needed where they are compute shader or transfer writes on the same
 //    queue: girih_cmd_refine begins by waiting for those. Other writes the host makes available and
 //    visible to compute (and vertex shader) reads.
-// Only positions of vertices that stand for their point count (vertex_point[v] == v): duplicates are
-// read through them, so rounding can move nothing apart. Every normal counts. Coordinates must stay
-// finite and within GIRIH_MAX_COORDINATE. Topology, seams and welds stay as prepared.
+// Only positions of vertices that stand for their point count (vertex_point[v] == v): duplicates
+// are read through them, so rounding can move nothing apart. Every normal counts. Coordinates must
+// stay finite and within GIRIH_MAX_COORDINATE. Topology, seams and welds stay as prepared.
 GIRIH_API girih_result girih_scene_vertices(const girih_scene *scene, uint32_t mesh,
                                             girih_buffer_range *range, VkDeviceSize *size,
                                             girih_error *error);
@@ -74,7 +78,8 @@ GIRIH_API girih_result girih_scene_vertices(const girih_scene *scene, uint32_t m
 // Records, before the host moves the vertices for a new frame, the copy of the current vertices to
 // the previous frame's: begins by waiting for compute and vertex shader reads and compute and
 // transfer writes of the vertices, ends with transfer writes available and visible to compute,
-// vertex shader and transfer, reads and writes. Scenes made with `previous` only; else does nothing.
+// vertex shader and transfer, reads and writes. Scenes made with `previous` only; else does
+// nothing.
 GIRIH_API void girih_cmd_keep_vertices(const girih_scene *scene, VkCommandBuffer commands);
 
 // Takes NULL. No submitted command buffer and no plan may still use the scene.
@@ -118,8 +123,8 @@ typedef struct girih_frame {
 
 typedef struct girih_instance {
     uint32_t mesh;       // index into the scene's meshes
-    float transform[12]; // rows of mesh to world, 3x4: world = (t[0..2]·p + t[3], ...), this frame's
-                         // and the previous frame's
+    float transform[12]; // rows of mesh to world, 3x4: world = (t[0..2]·p + t[3], ...), this
+                         // frame's and the previous frame's
 } girih_instance;
 
 typedef enum girih_mode {
@@ -136,10 +141,10 @@ typedef enum girih_output_bits {
         2, // welded, nothing culled: indices by position alone, closed where the input is
     GIRIH_OUTPUT_SOURCES =
         4, // baked, welded: per output triangle: instance, and triangle of its girih_mesh
-    GIRIH_OUTPUT_NO_DRAW = 8, // no draw arguments are wanted
-    GIRIH_OUTPUT_PREVIOUS = 16, // own surfaces, baked, welded: each vertex's position in the previous
-                                // frame, 3 floats after its attributes
-    GIRIH_OUTPUT_PADDED = 32, // indices and closed indices beyond the output's are degenerate
+    GIRIH_OUTPUT_NO_DRAW = 8,   // no draw arguments are wanted
+    GIRIH_OUTPUT_PREVIOUS = 16, // own surfaces, baked, welded: each vertex's position in the
+                                // previous frame, 3 floats after its attributes
+    GIRIH_OUTPUT_PADDED = 32,   // indices and closed indices beyond the output's are degenerate
                               // triangles (0, 0, 0), so that a count known beforehand may be built
                               // or drawn: max_triangles
 } girih_output_bits;
@@ -167,8 +172,8 @@ typedef struct girih_plan_desc {
     uint32_t outputs;       // girih_output_bits
     uint32_t max_vertices;  // room for output vertices (baked, welded); 0: room for level 0 only
     uint32_t max_triangles; // room for output triangles; 0: room for level 0 only
-    VkBufferUsageFlags vertex_usage; // usage flags the host wants beside girih's own on the
-    VkBufferUsageFlags index_usage;  // position and attribute buffers, and on the index buffers
+    VkBufferUsageFlags vertex_usage;   // usage flags the host wants beside girih's own on the
+    VkBufferUsageFlags index_usage;    // position and attribute buffers, and on the index buffers
     const girih_buffer_range *buffers; // [GIRIH_PLAN_BUFFERS]; NULL: girih makes all. They must
                                        // outlive the plan and stay the host's
 } girih_plan_desc;
@@ -188,9 +193,9 @@ GIRIH_API girih_result girih_plan_create(const girih_context *context, const gir
 // Takes NULL. No submitted command buffer may still use the plan.
 GIRIH_API void girih_plan_destroy(girih_plan *plan);
 
-// Moves an instance; taken up by the next girih_cmd_refine. `previous` is where it was in the previous
-// frame, for motion vectors; NULL: where it is. Both stay until they are set again: an instance that
-// comes to rest is set once more, with NULL. Elements that are not finite or beyond
+// Moves an instance; taken up by the next girih_cmd_refine. `previous` is where it was in the
+// previous frame, for motion vectors; NULL: where it is. Both stay until they are set again: an
+// instance that comes to rest is set once more, with NULL. Elements that are not finite or beyond
 // GIRIH_MAX_COORDINATE are refused with GIRIH_ERROR_INVALID_DATA. Externally synchronised on the
 // plan, and not while a submitted girih_cmd_refine of this plan has not finished.
 GIRIH_API girih_result girih_plan_set_transform(girih_plan *plan, uint32_t instance,
@@ -213,10 +218,15 @@ typedef struct girih_timestamps {
 // transfer reads and to the host (statistics). `frame` is read during the call. Externally
 // synchronised on the plan; plans of one scene may be recorded by several threads at once.
 //
+// A frame that cannot be meant (lengths that are not positive, values that are not finite) gives
+// GIRIH_ERROR_INVALID_DATA or _ARGUMENT, as do closed indices with culling and an own surface's set
+// that is missing; then nothing has been recorded.
+//
 // Unchanged input is not redone: where frame (its revision and surface_set included) and transforms
-// are those of the plan's last recorded girih_cmd_refine, nothing but the timestamps is recorded, and
-// the buffers keep what that one wrote. So a recorded girih_cmd_refine must be submitted, before
-// later ones and on the same queue; one that was thrown away is made good by girih_plan_invalidate.
+// are those of the plan's last recorded girih_cmd_refine, nothing but the timestamps is recorded,
+// and the buffers keep what that one wrote. So a recorded girih_cmd_refine must be submitted,
+// before later ones and on the same queue; one that was thrown away is made good by
+// girih_plan_invalidate.
 GIRIH_API girih_result girih_cmd_refine(girih_plan *plan, VkCommandBuffer commands,
                                         const girih_frame *frame,
                                         const girih_timestamps *timestamps, girih_error *error);
@@ -245,7 +255,7 @@ typedef struct girih_statistics {
     uint64_t culled_triangles;
     uint64_t clamped_edges; // edges that asked for more segments than the catalogue holds
     uint64_t output_triangles;
-    uint64_t output_vertices; // instanced: vertices of all instances' patterns
+    uint64_t output_vertices;  // instanced: vertices of all instances' patterns
     uint64_t needed_triangles; // what the levels asked for; more than the output after an overflow
     uint64_t needed_vertices;
     uint32_t groups;        // not empty
@@ -255,15 +265,15 @@ typedef struct girih_statistics {
 GIRIH_API girih_statistics girih_plan_statistics(const girih_plan *plan);
 
 // The buffers a plan writes. Vertex n of the output is 3 floats at positions + 12 n, and its normal
-// and attributes (and previous position) are floats at attributes + attribute_stride n. Buffers that
-// the mode or outputs do not ask for are VK_NULL_HANDLE.
+// and attributes (and previous position) are floats at attributes + attribute_stride n. Buffers
+// that the mode or outputs do not ask for are VK_NULL_HANDLE.
 typedef struct girih_plan_buffers {
     girih_buffer_range positions;
     girih_buffer_range attributes;
     girih_buffer_range indices;        // 3 x uint32 a triangle
     girih_buffer_range closed_indices; // 3 x uint32 a triangle
-    girih_buffer_range sources;        // 2 x uint32 a triangle: instance, triangle of its girih_mesh
-    uint32_t attribute_stride;         // bytes
+    girih_buffer_range sources; // 2 x uint32 a triangle: instance, triangle of its girih_mesh
+    uint32_t attribute_stride;  // bytes
     uint32_t max_vertices, max_triangles;
 } girih_plan_buffers;
 GIRIH_API girih_plan_buffers girih_plan_get_buffers(const girih_plan *plan);

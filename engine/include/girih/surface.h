@@ -28,22 +28,23 @@ typedef enum girih_surface {
 typedef struct girih_surface_program_desc {
     // The surface in baking: SPIR-V of a shader that includes girih.glsl with GIRIH_BAKE defined,
     // compiled for Vulkan 1.1 (bake), and the same with GIRIH_FEW_BUFFERS defined too (bake_few).
-    // A context takes one of the two: girih_context_uses_few_buffers. NULL where the surface is only
-    // drawn in the instanced mode, from the host's own vertex shader.
+    // A context takes one of the two: girih_context_uses_few_buffers. NULL where the surface is
+    // only drawn in the instanced mode, from the host's own vertex shader.
     const uint32_t *bake;
     size_t bake_bytes;
     const uint32_t *bake_few;
     size_t bake_few_bytes;
-    // The surface's own textures and buffers in baking: descriptor set GIRIH_SURFACE_SET, which is 1
-    // or, with a context's host_set_layouts, host_set_layout_count + 1 (girih.glsl: the modules must be
-    // compiled with GIRIH_SET and GIRIH_PUSH_OFFSET as the context has them, and may read the host's
-    // sets too). Its storage buffers count together with girih's 30 (few_buffers: 4) against
-    // maxPerStageDescriptorStorageBuffers; textures and uniform buffers are free. VK_NULL_HANDLE:
-    // none.
+    // The surface's own textures and buffers in baking: descriptor set GIRIH_SURFACE_SET, which is
+    // 1 or, with a context's host_set_layouts, host_set_layout_count + 1 (girih.glsl: the modules
+    // must be compiled with GIRIH_SET and GIRIH_PUSH_OFFSET as the context has them, and may read
+    // the host's sets too). Its storage buffers count together with girih's 30 (few_buffers: 4)
+    // against maxPerStageDescriptorStorageBuffers; textures and uniform buffers are free.
+    // VK_NULL_HANDLE: none.
     VkDescriptorSetLayout set_layout;
-    // What culling may rely on: every point lies within `reach` (mesh units, along each axis) of the
-    // base surface's point at the same place: GIRIH_SURFACE_FLAT or GIRIH_SURFACE_PN, as GIRIH_BASE
-    // says in the shaders. Not finite or negative: nothing is known, and nothing is culled. Triangles facing away are never culled: nothing is known of the normals.
+    // What culling may rely on: every point lies within `reach` (mesh units, along each axis) of
+    // the base surface's point at the same place: GIRIH_SURFACE_FLAT or GIRIH_SURFACE_PN, as
+    // GIRIH_BASE says in the shaders. Not finite or negative: nothing is known, and nothing is
+    // culled. Triangles facing away are never culled: nothing is known of the normals.
     girih_surface base;
     float reach;
 } girih_surface_program_desc;
