@@ -57,15 +57,27 @@ void girih_mesh_place(GirihPatch patch_, vec3 barycentric, out vec3 position, ou
 
 // --- The normal ---------------------------------------------------------------------------------------
 
-// How far the points are that a normal is taken from, as a share of the way to each corner.
+// How far the points are at least that a normal is taken from, as a share of the way to each corner.
 #ifndef GIRIH_NORMAL_STEP
 #define GIRIH_NORMAL_STEP (1.0 / 256.0)
 #endif
 
+// The share for a patch: far from the origin, or where triangles are small, the rounding of coordinates
+// must stay a hundredth of what lies between the points.
+float girih_normal_step(GirihPatch patch_) {
+    vec3 far = max(max(abs(patch_.b300), abs(patch_.b030)), abs(patch_.b003));
+    vec3 wide = max(max(abs(patch_.b030 - patch_.b300), abs(patch_.b003 - patch_.b030)), abs(patch_.b300 - patch_.b003));
+    float size = max(max(far.x, far.y), far.z);
+    float extent = max(max(wide.x, wide.y), wide.z);
+    // 128 units in the last place.
+    float wanted = extent > 0.0 ? size * (128.0 / 8388608.0) / extent : 1.0;
+    return max(min(wanted, 0.25), GIRIH_NORMAL_STEP);
+}
+
 // The three points around a place, which never leave the triangle.
-vec3 girih_normal_place(vec3 barycentric, int corner) {
-    vec3 near = barycentric * (1.0 - GIRIH_NORMAL_STEP);
-    near[corner] += GIRIH_NORMAL_STEP;
+vec3 girih_normal_place(vec3 barycentric, int corner, float share) {
+    vec3 near = barycentric * (1.0 - share);
+    near[corner] += share;
     return near;
 }
 
@@ -75,13 +87,15 @@ vec3 girih_normal_place(vec3 barycentric, int corner) {
 vec3 girih_turned_normal(vec3 normal, vec3 base[3], vec3 added[3]) {
     vec3 along2 = base[1] - base[0];
     vec3 along3 = base[2] - base[0];
-    // Mirrored, folded, or given with normals that oppose the winding: the normal decides.
+    // Mirrored, folded, or given with normals that oppose the winding: the normal decides. A sliver, or a
+    // base that the normal lies in, cannot tell.
     float facing = girih_dot(girih_cross(along2, along3), normal);
+    bool unclear = !(abs(facing) > 0.01 * girih_length_bound(along2) * girih_length_bound(along3));
     along2 += (added[1] - added[0]) - normal * girih_dot(along2, normal);
     along3 += (added[2] - added[0]) - normal * girih_dot(along3, normal);
     vec3 turned = girih_normalize(girih_cross(along2, along3));
-    // Nothing can be told where the base has no extent.
-    return girih_dot(turned, turned) > 0.5 ? (facing < 0.0 ? -turned : turned) : normal;
+    unclear = unclear || !(girih_dot(turned, turned) > 0.5);
+    return unclear ? normal : facing < 0.0 ? -turned : turned;
 }
 
 #ifdef GIRIH_SURFACE_NORMAL
@@ -205,9 +219,10 @@ void girih_own_sample(GirihPatch patch_, vec3 barycentric, out vec3 position, ou
     vec3 base[3];
     vec3 added[3];
     position = vec3(0.0);
+    float share = girih_normal_step(patch_);
     // A loop, so that the host's function is compiled into one place, however long it is.
     for (int n = 0; n < 4; ++n) {
-        vec3 near = n == 0 ? barycentric : girih_normal_place(barycentric, n - 1);
+        vec3 near = n == 0 ? barycentric : girih_normal_place(barycentric, n - 1, share);
         vec3 point = girih_surface(patch_, near);
         if (n == 0) {
             position = point;

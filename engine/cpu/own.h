@@ -5,7 +5,8 @@
 
 #include "item.h"
 
-// As a share of the way to each corner, how far the points are that a normal is taken from.
+// As a share of the way to each corner, how far the points are at least that a normal is taken
+// from.
 #define GIRIH_OWN_NORMAL_STEP (1.0f / 256.0f)
 
 // Where a pattern vertex is evaluated: a triangle, and its corners' weights over 32768, in the
@@ -158,6 +159,23 @@ static inline girih_vector girih_own_position(const girih_cpu_desc *desc,
     return girih_no_negative_zeros(girih_own_surface(desc, own, b));
 }
 
+// The share for a patch: far from the origin, or where triangles are small, the rounding of
+// coordinates must stay a hundredth of what lies between the points.
+static inline float girih_own_normal_step(const girih_patch *base) {
+    const girih_vector far =
+        girih_max_vector(girih_max_vector(girih_absolute(base->b300), girih_absolute(base->b030)),
+                         girih_absolute(base->b003));
+    const girih_vector wide =
+        girih_max_vector(girih_max_vector(girih_absolute(girih_subtract(base->b030, base->b300)),
+                                          girih_absolute(girih_subtract(base->b003, base->b030))),
+                         girih_absolute(girih_subtract(base->b300, base->b003)));
+    const float size = fmaxf(fmaxf(far.x, far.y), far.z);
+    const float extent = fmaxf(fmaxf(wide.x, wide.y), wide.z);
+    // 128 units in the last place.
+    const float wanted = extent > 0.0f ? size * (128.0f / 8388608.0f) / extent : 1.0f;
+    return fmaxf(fminf(wanted, 0.25f), GIRIH_OWN_NORMAL_STEP);
+}
+
 // The base normal, turned as the surface turns against the base: the base's tangents are taken
 // perpendicular to its normal, which need not be that of its own facets, and what the surface adds
 // to the base is differentiated between three points around the place, which never leave the
@@ -167,26 +185,29 @@ static inline girih_vector girih_own_normal(const girih_cpu_desc *desc, const gi
     const girih_vector normal = girih_patch_unit_normal(&own->base, b[0], b[1], b[2]);
     girih_vector base[3];
     girih_vector added[3];
+    const float share = girih_own_normal_step(&own->base);
     for (int n = 0; n < 3; ++n) {
         float near[3];
         for (int k = 0; k < 3; ++k) {
-            near[k] = b[k] * (1.0f - GIRIH_OWN_NORMAL_STEP) + (k == n ? GIRIH_OWN_NORMAL_STEP : 0);
+            near[k] = b[k] * (1.0f - share) + (k == n ? share : 0);
         }
         base[n] = girih_patch_position(&own->base, near[0], near[1], near[2]);
         added[n] = girih_subtract(girih_own_surface(desc, own, near), base[n]);
     }
-    girih_vector along[2];
-    // Mirrored, folded, or given with normals that oppose the winding: the normal decides.
-    const float facing = girih_dot(
-        girih_cross(girih_subtract(base[1], base[0]), girih_subtract(base[2], base[0])), normal);
+    girih_vector along[2] = {girih_subtract(base[1], base[0]), girih_subtract(base[2], base[0])};
+    // Mirrored, folded, or given with normals that oppose the winding: the normal decides. A
+    // sliver, or a base that the normal lies in, cannot tell.
+    const float facing = girih_dot(girih_cross(along[0], along[1]), normal);
+    if (!(fabsf(facing) > 0.01f * girih_length_bound(along[0]) * girih_length_bound(along[1]))) {
+        return normal;
+    }
     for (int n = 0; n < 2; ++n) {
-        const girih_vector step = girih_subtract(base[n + 1], base[0]);
         const girih_vector tangent =
-            girih_subtract(step, girih_scale(normal, girih_dot(step, normal)));
+            girih_subtract(along[n], girih_scale(normal, girih_dot(along[n], normal)));
         along[n] = girih_add(tangent, girih_subtract(added[n + 1], added[0]));
     }
     const girih_vector turned = girih_normalize(girih_cross(along[0], along[1]));
-    // Nothing can be told where the base has no extent; a NaN ends up here too.
+    // A NaN ends up here too.
     if (!(girih_dot(turned, turned) > 0.5f)) {
         return normal;
     }

@@ -18,8 +18,9 @@ vec3 UNDISPLACED(GirihPatch patch_, vec3 barycentric);
 void girih_undisplaced_sample(GirihPatch patch_, vec3 barycentric, out vec3 point, out vec3 normal) {
     vec3 base[3];
     vec3 added[3];
+    float share = girih_normal_step(patch_);
     for (int n = 0; n < 4; ++n) {
-        vec3 near = n == 0 ? barycentric : girih_normal_place(barycentric, n - 1);
+        vec3 near = n == 0 ? barycentric : girih_normal_place(barycentric, n - 1, share);
         vec3 reached = UNDISPLACED(patch_, near);
         if (n == 0) {
             point = reached;
