@@ -39,9 +39,9 @@ static void read_limits(girih_context *context, const girih_context_desc *desc) 
     context->vk.GetPhysicalDeviceMemoryProperties(context->physical_device, &context->memory);
     context->limits = properties.properties.limits;
     // Without the feature indices reach no further, whatever the limit says of the device.
-    if (!context->features.fullDrawIndexUint32 &&
-        context->limits.maxDrawIndexedIndexValue > (1u << 24) - 1) {
-        context->limits.maxDrawIndexedIndexValue = (1u << 24) - 1;
+    if (!context->features.fullDrawIndexUint32) {
+        context->limits.maxDrawIndexedIndexValue =
+            girih_get_requirements().required.maxDrawIndexedIndexValue;
     }
     context->max_allocation = maintenance.maxMemoryAllocationSize;
     context->serial_sort = desc->sort == GIRIH_SORT_SERIAL ||

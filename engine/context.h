@@ -109,7 +109,7 @@ struct girih_plan {
 
     // What the last recorded girih_cmd_refine was given.
     girih_frame_block recorded;
-    VkDescriptorSet surface_set, recorded_set;
+    VkDescriptorSet surface_set;
     uint64_t recorded_revision;
     bool current; // nothing else has changed since
 

@@ -128,7 +128,7 @@ static void record_begin(girih_plan *plan, VkCommandBuffer commands) {
 
 // Whether the plan's buffers hold this frame already, once what was recorded has been executed.
 static bool is_unchanged(const girih_plan *plan, const girih_frame *frame) {
-    return plan->current && plan->recorded_set == frame->surface_set &&
+    return plan->current && plan->surface_set == frame->surface_set &&
            plan->recorded_revision == frame->revision &&
            memcmp(&plan->recorded, &plan->arrays.frame, sizeof plan->recorded) == 0;
 }
@@ -208,7 +208,6 @@ girih_result girih_cmd_refine(girih_plan *plan, VkCommandBuffer commands, const 
     girih_barrier(context, commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
                   VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
     plan->recorded = plan->arrays.frame;
-    plan->recorded_set = frame->surface_set;
     plan->recorded_revision = frame->revision;
     plan->current = true;
     return GIRIH_OK;

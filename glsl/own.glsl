@@ -210,29 +210,39 @@ GirihPatch girih_own_patch(uint triangle, uint instance, bool previous) {
     return patch_;
 }
 
-// The surface's point and normal at a place.
-void girih_own_sample(GirihPatch patch_, vec3 barycentric, out vec3 position, out vec3 normal) {
+// Defines the function NAME: the point of a surface given as a function, and its normal. A loop, so that
+// the function is compiled into one place, however long it is.
+#define GIRIH_DEFINE_SAMPLE(NAME, SURFACE) \
+    void NAME(GirihPatch patch_, vec3 barycentric, out vec3 position, out vec3 normal) { \
+        vec3 base[3]; \
+        vec3 added[3]; \
+        position = vec3(0.0); \
+        float share = girih_normal_step(patch_); \
+        for (int n = 0; n < 4; ++n) { \
+            vec3 near = n == 0 ? barycentric : girih_normal_place(barycentric, n - 1, share); \
+            vec3 point = SURFACE(patch_, near); \
+            if (n == 0) { \
+                position = point; \
+            } else { \
+                base[n - 1] = girih_base_position(patch_, near); \
+                added[n - 1] = point - base[n - 1]; \
+            } \
+        } \
+        normal = girih_turned_normal(girih_base_normal(patch_, barycentric), base, added); \
+    }
+
 #ifdef GIRIH_SURFACE_NORMAL
+void girih_surface_sample(GirihPatch patch_, vec3 barycentric, out vec3 position, out vec3 normal) {
     position = girih_surface(patch_, barycentric);
     normal = girih_surface_normal(patch_, barycentric);
+}
 #else
-    vec3 base[3];
-    vec3 added[3];
-    position = vec3(0.0);
-    float share = girih_normal_step(patch_);
-    // A loop, so that the host's function is compiled into one place, however long it is.
-    for (int n = 0; n < 4; ++n) {
-        vec3 near = n == 0 ? barycentric : girih_normal_place(barycentric, n - 1, share);
-        vec3 point = girih_surface(patch_, near);
-        if (n == 0) {
-            position = point;
-        } else {
-            base[n - 1] = girih_base_position(patch_, near);
-            added[n - 1] = point - base[n - 1];
-        }
-    }
-    normal = girih_turned_normal(girih_base_normal(patch_, barycentric), base, added);
+GIRIH_DEFINE_SAMPLE(girih_surface_sample, girih_surface)
 #endif
+
+// The surface's point and normal at a place, as they are put out.
+void girih_own_sample(GirihPatch patch_, vec3 barycentric, out vec3 position, out vec3 normal) {
+    girih_surface_sample(patch_, barycentric, position, normal);
     position = girih_no_negative_zero(position);
     normal = girih_no_negative_zero(normal);
 }

@@ -280,6 +280,7 @@ girih_context *gpu_context(gpu *host, const girih_context_desc *options) {
     VkCommandBuffer commands = gpu_begin(host);
     girih_cmd_upload_context(context, commands);
     gpu_run(host, commands);
+    girih_context_trim(context);
     return context;
 }
 

@@ -2,7 +2,7 @@
 
 #include "error.h"
 
-girih_result girih_refinement_scene(girih_device *device, const girih_context *context,
+girih_result girih_refinement_scene(girih_device *device, girih_context *context,
                                     const girih_mesh *const *meshes, uint32_t mesh_count,
                                     girih_scene **scene, girih_error *error) {
     girih_report_progress("uploading");
@@ -16,6 +16,7 @@ girih_result girih_refinement_scene(girih_device *device, const girih_context *c
             result = girih_device_finish(device, error);
         }
         if (result == GIRIH_OK) {
+            girih_context_trim(context);
             girih_scene_trim(*scene);
         } else {
             girih_scene_destroy(*scene);

@@ -29,7 +29,7 @@ girih_result girih_refinement_run(girih_refinement *refinement, const girih_refi
                                   const girih_frame *frame, girih_error *error);
 
 // A scene of the model's meshes, uploaded together with the context's catalogue.
-girih_result girih_refinement_scene(girih_device *device, const girih_context *context,
+girih_result girih_refinement_scene(girih_device *device, girih_context *context,
                                     const girih_mesh *const *meshes, uint32_t mesh_count,
                                     girih_scene **scene, girih_error *error);
 

@@ -14,23 +14,7 @@ layout(set = GIRIH_SURFACE_SET, binding = 0) uniform sampler2D girih_height_map;
 #ifdef UNDISPLACED
 vec3 UNDISPLACED(GirihPatch patch_, vec3 barycentric);
 
-// The user's point, and the normal there.
-void girih_undisplaced_sample(GirihPatch patch_, vec3 barycentric, out vec3 point, out vec3 normal) {
-    vec3 base[3];
-    vec3 added[3];
-    float share = girih_normal_step(patch_);
-    for (int n = 0; n < 4; ++n) {
-        vec3 near = n == 0 ? barycentric : girih_normal_place(barycentric, n - 1, share);
-        vec3 reached = UNDISPLACED(patch_, near);
-        if (n == 0) {
-            point = reached;
-        } else {
-            base[n - 1] = girih_base_position(patch_, near);
-            added[n - 1] = reached - base[n - 1];
-        }
-    }
-    normal = girih_turned_normal(girih_base_normal(patch_, barycentric), base, added);
-}
+GIRIH_DEFINE_SAMPLE(girih_undisplaced_sample, UNDISPLACED)
 #endif
 
 float girih_own_height(GirihPatch patch_, vec3 barycentric) {
