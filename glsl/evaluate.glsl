@@ -11,6 +11,14 @@
 
 #if GIRIH_KERNEL == 0
 
+#if GIRIH_SURFACE == 1
+#define GIRIH_PATCH_WORDS GIRIH_PATCH_WORDS_PN
+#elif GIRIH_SURFACE == 2
+#define GIRIH_PATCH_WORDS GIRIH_PATCH_WORDS_OWN
+#else
+#define GIRIH_PATCH_WORDS GIRIH_PATCH_WORDS_FLAT
+#endif
+
 void girih_write_vector(uint word, vec3 v) {
     GIRIH_AT_OUT_ATTRIBUTES(word) = floatBitsToUint(v.x);
     GIRIH_AT_OUT_ATTRIBUTES(word + 1u) = floatBitsToUint(v.y);
@@ -28,8 +36,8 @@ void main() {
     GirihItem item = girih_read_item(number, overflow);
     uint group = overflow ? item.group - item.group % girih_frame.range_count : item.group;
     uint key = group << 3 | item.lambda;
+    uint word = (number - girih_push.window_first) * GIRIH_PATCH_WORDS;
 #if GIRIH_SURFACE == 2
-    uint word = (number - girih_push.window_first) * GIRIH_PATCH_WORDS_OWN;
     GIRIH_AT_OUT_ATTRIBUTES(word) = item.scene_triangle;
     GIRIH_AT_OUT_ATTRIBUTES(word + 1u) = item.instance;
     GIRIH_AT_OUT_ATTRIBUTES(word + 2u) = key;
@@ -38,34 +46,29 @@ void main() {
     uint vertices[3];
     girih_item_vertices(item, vertices);
     GirihPatch p = girih_item_patch(item, vertices);
+    girih_write_vector(word, p.b300);
+    girih_write_vector(word + 3u, p.b030);
+    girih_write_vector(word + 6u, p.b003);
+    word += 9u;
 #if GIRIH_SURFACE == 1
-    uint word = (number - girih_push.window_first) * GIRIH_PATCH_WORDS_PN;
-    girih_write_vector(word, p.b300);
-    girih_write_vector(word + 3u, p.b030);
-    girih_write_vector(word + 6u, p.b003);
-    girih_write_vector(word + 9u, p.b210);
-    girih_write_vector(word + 12u, p.b120);
-    girih_write_vector(word + 15u, p.b021);
-    girih_write_vector(word + 18u, p.b012);
-    girih_write_vector(word + 21u, p.b102);
-    girih_write_vector(word + 24u, p.b201);
-    girih_write_vector(word + 27u, p.b111);
-    girih_write_vector(word + 30u, p.n200);
-    girih_write_vector(word + 33u, p.n020);
-    girih_write_vector(word + 36u, p.n002);
-    girih_write_vector(word + 39u, p.n110);
-    girih_write_vector(word + 42u, p.n011);
-    girih_write_vector(word + 45u, p.n101);
-    word += 48u;
-#else
-    uint word = (number - girih_push.window_first) * GIRIH_PATCH_WORDS_FLAT;
-    girih_write_vector(word, p.b300);
-    girih_write_vector(word + 3u, p.b030);
-    girih_write_vector(word + 6u, p.b003);
-    girih_write_vector(word + 9u, p.n200);
-    girih_write_vector(word + 12u, p.n020);
-    girih_write_vector(word + 15u, p.n002);
-    word += 18u;
+    girih_write_vector(word, p.b210);
+    girih_write_vector(word + 3u, p.b120);
+    girih_write_vector(word + 6u, p.b021);
+    girih_write_vector(word + 9u, p.b012);
+    girih_write_vector(word + 12u, p.b102);
+    girih_write_vector(word + 15u, p.b201);
+    girih_write_vector(word + 18u, p.b111);
+    word += 21u;
+#endif
+    girih_write_vector(word, p.n200);
+    girih_write_vector(word + 3u, p.n020);
+    girih_write_vector(word + 6u, p.n002);
+    word += 9u;
+#if GIRIH_SURFACE == 1
+    girih_write_vector(word, p.n110);
+    girih_write_vector(word + 3u, p.n011);
+    girih_write_vector(word + 6u, p.n101);
+    word += 9u;
 #endif
     GIRIH_AT_OUT_ATTRIBUTES(word) = vertices[0];
     GIRIH_AT_OUT_ATTRIBUTES(word + 1u) = vertices[1];

@@ -66,7 +66,8 @@ const int girih_seam_questions = 19;
 
 float girih_seamless_height(GirihPatch patch_, vec3 barycentric) {
     GirihSeamSides seams = girih_find_seams(patch_);
-    bool seam = seams.parted[0] || seams.parted[1] || seams.parted[2] || seams.apart != vec3(0.0);
+    bool edge = seams.parted[0] || seams.parted[1] || seams.parted[2];
+    bool seam = edge || seams.apart != vec3(0.0);
     uint corner = 3u * patch_.triangle;
     float heights[girih_seam_questions];
     float t[3];
@@ -76,7 +77,7 @@ float girih_seamless_height(GirihPatch patch_, vec3 barycentric) {
     }
     // A loop that is left early instead of a branch: a CPU device would run that for every triangle. And
     // one, so that the host's function is compiled into one place.
-    int questions = seam ? girih_seam_questions : 1;
+    int questions = edge ? girih_seam_questions : seam ? girih_seam_edges : girih_seam_corners;
     for (int question = 0; question < questions; ++question) {
         GirihPatch asked = patch_;
         vec3 place = barycentric;
