@@ -2,7 +2,7 @@
 #ifndef GIRIH_GATHER_GLSL
 #define GIRIH_GATHER_GLSL
 
-#include "pn.glsl"
+#include "pn_edges.glsl"
 #include "surfaces.glsl"
 
 // Float n of the scene's attributes, between three vertices.

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "girih_permutation.h"
-#include "pn.glsl"
+#include "pn_edges.glsl"
 
 // Whether all of a triangle's patch is outside the frustum or faces away. The bounds are those of the
 // curved surface: a Bezier patch lies in the box of its control points, and its normal, the cross
