@@ -1,49 +1,85 @@
-// What the cases of girih-bench share: a frame of each method, timed in alternating pairs.
+// What the cases of girih-bench share: a job of many methods, measured in alternating pairs.
 #ifndef GIRIH_BENCH_H
 #define GIRIH_BENCH_H
 
 #include <jansson.h>
+#include <stdio.h>
 
-#include "device.h"
-#include "girih/girih.h"
+#include "method.h"
 
-// Geometry alone (rasteriser discard), or 1024 x 1024 pixels of colour and depth.
-typedef enum bench_raster { BENCH_GEOMETRY, BENCH_SHADED } bench_raster;
-#define BENCH_PIXELS 1024u
+// One run of the program.
+typedef struct bench_run {
+    girih_device *device;
+    uint32_t pairs;
+    json_t *cases;        // what the cases found
+    FILE *samples;        // CSV with every frame that was timed; NULL: not wanted
+    const char *pictures; // folder for one picture a case and method; NULL: not wanted
+} bench_run;
 
-// One way of drawing the same triangles.
-typedef struct bench_method {
+// A mesh to refine; the case's.
+typedef struct bench_mesh {
     const char *name;
-    void *state;
-    // Records what the frame needs before its render pass; may be NULL.
-    girih_result (*prepare)(void *state, VkCommandBuffer commands, uint32_t frame,
+    float *positions; // [vertex_count][3]
+    float *normals;   // [vertex_count][3], unit
+    uint32_t *indices;
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+} bench_mesh;
+girih_result bench_mesh_allocate(bench_mesh *mesh, uint32_t vertex_count, uint32_t triangle_count,
+                                 girih_error *error);
+void bench_mesh_free(bench_mesh *mesh);
+// A unit sphere of 20 * 4^halvings triangles.
+girih_result bench_sphere(uint32_t halvings, bench_mesh *mesh, girih_error *error);
+
+// What a job draws and how it changes from frame to frame.
+typedef struct bench_job_desc {
+    const char *name;
+    const bench_mesh *mesh; // must outlive the job
+    const girih_catalogue *catalogue;
+    girih_surface surface;
+    // Frame n; frame 1 is the reference's, whose triangles a static mesh draws. An odd frame has
+    // the reference's levels, an even one others, so that levels change every frame.
+    void (*frame)(const void *user, uint32_t n, girih_frame *frame, bench_view *view);
+    const void *user;
+    uint32_t frame_count; // how many different frames there are: room is made for each; 0: 64
+} bench_job_desc;
+
+typedef struct bench_case_job {
+    bench_job job;
+    bench_job_desc desc;
+    girih_statistics reference; // of frame 1
+} bench_case_job;
+
+girih_result bench_job_create(bench_target *target, girih_device *device,
+                              const bench_job_desc *desc, bench_case_job *job, girih_error *error);
+void bench_job_destroy(bench_case_job *job);
+
+// Levels at random, up to catalogue level `*(const uint32_t *)user`, of a unit sphere seen whole.
+void bench_random_frame(const void *user, uint32_t n, girih_frame *frame, bench_view *view);
+
+// Draws frame n of a method and waits for it.
+typedef struct bench_time {
+    double wall; // milliseconds from the begin of the recording to the end of the wait
+    double cpu;  // milliseconds of processor time, all threads together
+} bench_time;
+girih_result bench_frame(bench_case_job *job, const bench_method *method, void *state,
+                         bench_raster raster, uint32_t n, bench_time *time, girih_error *error);
+
+// Every method against the first, in alternating pairs after a warm-up, geometry and shaded. Before
+// that, frame 1 of every method is captured and compared with the first's, triangle by triangle,
+// and its picture is kept where pictures are wanted. Adds
+// {"geometry":{...},"shaded":{...},"triangles":...} for each method's name to `figures`; methods
+// that do not fit get {"unfit":"why"}.
+girih_result bench_measure(const bench_run *run, bench_case_job *job,
+                           const bench_method *const *methods, uint32_t method_count,
+                           json_t *figures, girih_error *error);
+
+// Appends a case's object to the run's.
+girih_result bench_add_case(const bench_run *run, const bench_case_job *job, json_t *figures,
                             girih_error *error);
-    // Records the draws inside the render pass; the pipeline of the raster mode is bound.
-    void (*draw)(void *state, VkCommandBuffer commands);
-    const VkPipelineVertexInputStateCreateInfo *vertex_input;
-    const uint32_t *vertex_shader;
-    size_t vertex_shader_bytes;
-} bench_method;
 
-// Render targets and pipelines for one list of methods.
-typedef struct bench_target bench_target;
-girih_result bench_target_create(girih_device *device, const bench_method *methods,
-                                 uint32_t method_count, bench_target **target, girih_error *error);
-void bench_target_destroy(bench_target *target);
-
-// Records and submits one frame of a method and waits for it; *milliseconds from the begin of the
-// recording to the end of the wait.
-girih_result bench_frame(bench_target *target, uint32_t method, bench_raster raster, uint32_t frame,
-                         double *milliseconds, girih_error *error);
-
-// Every method against method 0, in alternating runs: two warm-up frames each, then `pairs` pairs.
-// Adds {"geometry":{...},"shaded":{...}} for each method's name to `methods`.
-girih_result bench_measure(bench_target *target, const bench_method *list, uint32_t method_count,
-                           uint32_t pairs, json_t *methods, girih_error *error);
-
-// The cases: each appends one or more objects to `cases`.
-girih_result bench_spheres(girih_device *device, uint32_t pairs, json_t *cases, girih_error *error);
-girih_result bench_instances(girih_device *device, uint32_t pairs, json_t *cases,
-                             girih_error *error);
+// The cases: each appends one or more objects to run->cases.
+girih_result bench_spheres(const bench_run *run, girih_error *error);
+girih_result bench_instances(const bench_run *run, girih_error *error);
 
 #endif

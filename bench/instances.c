@@ -1,22 +1,16 @@
-// Case `instances`: a thousand instances of a hundred meshes against one mesh of the same triangles;
-// Curved PN, random dyadic levels that change every frame.
+// Case `instances`: a thousand instances of a hundred meshes against one mesh of the same
+// triangles; Curved PN, random dyadic levels that change every frame.
 #include <stdlib.h>
 #include <string.h>
 
 #include "bench.h"
 #include "error.h"
 #include "icosphere.h"
-#include "vertex_shader.h"
+#include "methods.h"
 
 #define MESHES 100u
 #define INSTANCES 1000u
 #define HALVINGS 2u // 320 triangles
-
-static const struct {
-    const char *name;
-    girih_mode mode;
-} cases[] = {{"instances, baked", GIRIH_MODE_BAKED},
-             {"instances, instanced", GIRIH_MODE_INSTANCED}};
 
 // Placed side by side; every mesh is a sphere of its own size.
 static void place(uint32_t instance, girih_instance *out) {
@@ -28,6 +22,22 @@ static void place(uint32_t instance, girih_instance *out) {
 
 static float radius_of(uint32_t mesh) {
     return 1.0f + (float)mesh / (float)MESHES;
+}
+
+// --- The method: a scene of a hundred meshes ----------------------------------------------------
+
+typedef struct many {
+    girih_scene *scene;
+    void *own;
+} many;
+
+static void destroy(void *state) {
+    many *m = state;
+    if (m) {
+        bench_girih_destroy(m->own);
+        girih_scene_destroy(m->scene);
+        free(m);
+    }
 }
 
 static girih_result make_meshes(const bench_icosphere *sphere, const girih_mesh *meshes[MESHES],
@@ -50,178 +60,156 @@ static girih_result make_meshes(const bench_icosphere *sphere, const girih_mesh 
     return result;
 }
 
-// All instances in one mesh.
-static girih_result make_one(const bench_icosphere *sphere, const girih_mesh **mesh,
-                             girih_error *error) {
-    const size_t floats = 3 * (size_t)sphere->vertex_count;
-    float *positions = malloc(INSTANCES * floats * 4);
-    float *normals = malloc(INSTANCES * floats * 4);
-    uint32_t *indices = malloc((size_t)INSTANCES * sphere->index_count * 4);
-    girih_result result = GIRIH_OK;
-    if (!positions || !normals || !indices) {
-        result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
-    }
-    for (uint32_t n = 0; n < INSTANCES && result == GIRIH_OK; ++n) {
-        girih_instance instance;
-        place(n, &instance);
-        for (size_t k = 0; k < floats; ++k) {
-            positions[n * floats + k] = sphere->positions[k] * radius_of(instance.mesh) +
-                                        instance.transform[4 * (k % 3) + 3];
-        }
-        memcpy(normals + n * floats, sphere->positions, floats * 4);
-        for (uint32_t k = 0; k < sphere->index_count; ++k) {
-            indices[(size_t)n * sphere->index_count + k] =
-                sphere->indices[k] + n * sphere->vertex_count;
-        }
-    }
-    if (result == GIRIH_OK) {
-        const girih_mesh_desc desc = {.vertex_count = INSTANCES * sphere->vertex_count,
-                                      .positions = positions,
-                                      .normals = normals,
-                                      .indices = indices,
-                                      .index_count = INSTANCES * sphere->index_count};
-        result = girih_mesh_create(&desc, mesh, error);
-    }
-    free(positions);
-    free(normals);
-    free(indices);
-    return result;
-}
-
-typedef struct side {
-    girih_scene *scene;
-    girih_plan *plan;
-    uint32_t seed; // of its last frame: an unchanged frame would cost nothing
-} side;
-
-static girih_result prepare(void *state, VkCommandBuffer commands, uint32_t frame,
-                            girih_error *error) {
-    side *s = state;
-    (void)frame;
-    const girih_frame levels = {.rule = GIRIH_LEVEL_RANDOM_LEVEL, .segments = 1, .seed = ++s->seed};
-    return girih_cmd_refine(s->plan, commands, &levels, NULL, error);
-}
-
-static void draw(void *state, VkCommandBuffer commands) {
-    const side *s = state;
-    girih_cmd_draw(s->plan, commands, 0, VK_NULL_HANDLE, 0);
-}
-
-typedef struct case_state {
-    girih_context *context;
-    side one, many;
-    bench_target *target;
-} case_state;
-
-static girih_result make_side(case_state *s, girih_mode mode, const girih_mesh *const *meshes,
-                              uint32_t mesh_count, const girih_instance *instances,
-                              uint32_t instance_count, side *out, girih_error *error) {
-    girih_result result = girih_scene_create(
-        s->context, &(girih_scene_desc){.meshes = meshes, .mesh_count = mesh_count}, &out->scene,
-        error);
-    const uint32_t triangles = INSTANCES * (20u << (2 * HALVINGS));
-    const girih_plan_desc desc = {.scene = out->scene,
-                                  .instances = instances,
-                                  .instance_count = instance_count,
-                                  .surface = GIRIH_SURFACE_PN,
-                                  .mode = mode,
-                                  .max_vertices = 6 * triangles,
-                                  .max_triangles = 4 * triangles};
-    return result == GIRIH_OK ? girih_plan_create(s->context, &desc, &out->plan, error) : result;
-}
-
-static girih_result run_case(girih_device *device, size_t n, uint32_t pairs,
-                             const girih_mesh *const *meshes, const girih_mesh *one, case_state *s,
-                             json_t *list, girih_error *error) {
-    girih_instance *instances = malloc(INSTANCES * sizeof *instances);
-    girih_instance at_once;
-    place(0, &at_once);
-    if (!instances) {
-        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
-    }
-    for (uint32_t k = 0; k < INSTANCES; ++k) {
-        place(k, &instances[k]);
-    }
-    girih_result result = girih_device_context(device, NULL, &s->context, error);
-    if (result == GIRIH_OK) {
-        result = make_side(s, cases[n].mode, &one, 1, &at_once, 1, &s->one, error);
-    }
-    if (result == GIRIH_OK) {
-        result = make_side(s, cases[n].mode, meshes, MESHES, instances, INSTANCES, &s->many, error);
-    }
-    free(instances);
-    if (result == GIRIH_OK) {
-        result = girih_device_begin(device, error);
-    }
-    if (result == GIRIH_OK) {
-        girih_cmd_upload_context(s->context, device->commands);
-        girih_cmd_upload_scene(s->one.scene, device->commands);
-        girih_cmd_upload_scene(s->many.scene, device->commands);
-        result = girih_device_finish(device, error);
-    }
-    if (result != GIRIH_OK) {
-        return result;
-    }
-    const VkPipelineVertexInputStateCreateInfo *input = girih_plan_vertex_input(s->one.plan);
-    bench_method methods[2] = {{"one mesh", &s->one, prepare, draw, input, NULL, 0},
-                               {"instances", &s->many, prepare, draw, input, NULL, 0}};
-    bench_set_vertex_shader(&methods[0], cases[n].mode);
-    bench_set_vertex_shader(&methods[1], cases[n].mode);
-    result = bench_target_create(device, methods, 2, &s->target, error);
-    json_t *figures = json_object();
-    if (result == GIRIH_OK) {
-        result = bench_measure(s->target, methods, 2, pairs, figures, error);
-    }
-    const girih_statistics statistics = girih_plan_statistics(s->many.plan);
-    if (result == GIRIH_OK && statistics.overflow) {
-        result = girih_fail(error, GIRIH_ERROR_TOO_LARGE, "%s: the frames did not fit their plan",
-                            cases[n].name);
-    }
-    if (result != GIRIH_OK) {
-        json_decref(figures);
-        return result;
-    }
-    json_array_append_new(
-        list, json_pack("{s:s,s:I,s:I,s:o}", "name", cases[n].name, "input_triangles",
-                        (json_int_t)statistics.input_triangles, "output_triangles",
-                        (json_int_t)statistics.output_triangles, "methods", figures));
-    return GIRIH_OK;
-}
-
-static void end_case(case_state *s) {
-    bench_target_destroy(s->target);
-    girih_plan_destroy(s->one.plan);
-    girih_plan_destroy(s->many.plan);
-    girih_scene_destroy(s->one.scene);
-    girih_scene_destroy(s->many.scene);
-    girih_context_destroy(s->context);
-}
-
-girih_result bench_instances(girih_device *device, uint32_t pairs, json_t *list,
-                             girih_error *error) {
-    bench_icosphere sphere = {0};
+static girih_result make_scene(const bench_job *job, many *m, girih_error *error) {
     const girih_mesh *meshes[MESHES] = {NULL};
-    const girih_mesh *one = NULL;
+    bench_icosphere sphere = {0};
     girih_result result = bench_icosphere_make(HALVINGS, &sphere, error);
     if (result == GIRIH_OK) {
         result = make_meshes(&sphere, meshes, error);
     }
     if (result == GIRIH_OK) {
-        result = make_one(&sphere, &one, error);
-    }
-    const bool can_instance =
-        device->features.multiDrawIndirect && device->features.drawIndirectFirstInstance;
-    for (size_t n = 0; n < sizeof cases / sizeof *cases && result == GIRIH_OK; ++n) {
-        if (cases[n].mode != GIRIH_MODE_INSTANCED || can_instance) {
-            case_state state = {0};
-            result = run_case(device, n, pairs, meshes, one, &state, list, error);
-            end_case(&state);
-        }
+        const girih_scene_desc desc = {.meshes = meshes, .mesh_count = MESHES};
+        result = girih_scene_create(job->context, &desc, &m->scene, error);
     }
     for (uint32_t n = 0; n < MESHES; ++n) {
         girih_mesh_destroy(meshes[n]);
     }
-    girih_mesh_destroy(one);
     bench_icosphere_free(&sphere);
+    if (result == GIRIH_OK) {
+        result = girih_device_begin(job->device, error);
+    }
+    if (result == GIRIH_OK) {
+        girih_cmd_upload_scene(m->scene, job->device->commands);
+        result = girih_device_finish(job->device, error);
+    }
+    return result;
+}
+
+static girih_result make_plan(const bench_job *job, girih_mode mode, many *m, girih_error *error) {
+    girih_instance *instances = malloc(INSTANCES * sizeof *instances);
+    if (!instances) {
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
+    }
+    for (uint32_t n = 0; n < INSTANCES; ++n) {
+        place(n, &instances[n]);
+    }
+    const girih_plan_desc desc = {.scene = m->scene,
+                                  .instances = instances,
+                                  .instance_count = INSTANCES,
+                                  .surface = job->surface,
+                                  .mode = mode,
+                                  .max_vertices = 6 * job->triangle_count,
+                                  .max_triangles = 4 * job->triangle_count};
+    const girih_result result = bench_girih_create(job, &desc, &m->own, error);
+    free(instances);
+    return result;
+}
+
+static girih_result create(const bench_job *job, int variant, void **state, girih_error *error) {
+    many *m = calloc(1, sizeof *m);
+    if (!m) {
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
+    }
+    girih_result result = make_scene(job, m, error);
+    if (result == GIRIH_OK) {
+        result = make_plan(job, (girih_mode)variant, m, error);
+    }
+    if (result != GIRIH_OK) {
+        destroy(m);
+        return result;
+    }
+    *state = m;
+    return GIRIH_OK;
+}
+
+static girih_result prepare(void *state, VkCommandBuffer commands, girih_error *error) {
+    return bench_girih_prepare(((many *)state)->own, commands, error);
+}
+
+static void draw(void *state, VkCommandBuffer commands, bench_raster raster) {
+    bench_girih_draw(((many *)state)->own, commands, raster);
+}
+
+static bool overflow(void *state) {
+    return bench_girih_overflow(((many *)state)->own);
+}
+
+#define MANY(MODE)                                                                                 \
+    {                                                                                              \
+        .name = "girih-instances", .follows = "this project", .variant = MODE, .create = create,   \
+        .destroy = destroy, .prepare = prepare, .draw = draw, .overflow = overflow                 \
+    }
+static const bench_method many_baked = MANY(GIRIH_MODE_BAKED);
+static const bench_method many_instanced = MANY(GIRIH_MODE_INSTANCED);
+
+// --- The case -----------------------------------------------------------------------------------
+
+// All instances in one mesh.
+static girih_result make_one(bench_mesh *mesh, girih_error *error) {
+    bench_icosphere sphere = {0};
+    girih_result result = bench_icosphere_make(HALVINGS, &sphere, error);
+    if (result == GIRIH_OK) {
+        result = bench_mesh_allocate(mesh, INSTANCES * sphere.vertex_count,
+                                     INSTANCES * sphere.index_count / 3, error);
+    }
+    const size_t floats = 3 * (size_t)sphere.vertex_count;
+    for (uint32_t n = 0; n < INSTANCES && result == GIRIH_OK; ++n) {
+        girih_instance instance;
+        place(n, &instance);
+        for (size_t k = 0; k < floats; ++k) {
+            mesh->positions[n * floats + k] = sphere.positions[k] * radius_of(instance.mesh) +
+                                              instance.transform[4 * (k % 3) + 3];
+        }
+        memcpy(mesh->normals + n * floats, sphere.positions, floats * 4);
+        for (uint32_t k = 0; k < sphere.index_count; ++k) {
+            mesh->indices[(size_t)n * sphere.index_count + k] =
+                sphere.indices[k] + n * sphere.vertex_count;
+        }
+    }
+    bench_icosphere_free(&sphere);
+    return result;
+}
+
+// All spheres in sight: orthographic, looking along -z. New levels every frame.
+static void frame(const void *user, uint32_t n, girih_frame *out, bench_view *view) {
+    (void)user;
+    *out = (girih_frame){.rule = GIRIH_LEVEL_RANDOM_LEVEL, .segments = 1, .seed = n};
+    *view = (bench_view){
+        {{0.045f, 0, 0, -0.8f}, {0, -0.045f, 0, 0.8f}, {0, 0, -0.02f, 0.8f}, {0, 0, 0, 1}}};
+}
+
+girih_result bench_instances(const bench_run *run, girih_error *error) {
+    static const struct {
+        const char *name;
+        const bench_method *methods[2];
+    } cases[] = {{"instances, baked", {&bench_girih_baked, &many_baked}},
+                 {"instances, instanced", {&bench_girih_instanced, &many_instanced}}};
+    bench_mesh mesh = {0};
+    bench_target *target = NULL;
+    girih_result result = make_one(&mesh, error);
+    if (result == GIRIH_OK) {
+        result = bench_target_create(run->device, &target, error);
+    }
+    for (size_t n = 0; n < sizeof cases / sizeof *cases && result == GIRIH_OK; ++n) {
+        bench_case_job job = {0};
+        json_t *figures = json_object();
+        const bench_job_desc desc = {.name = cases[n].name,
+                                     .mesh = &mesh,
+                                     .catalogue = girih_catalogue_dyadic(),
+                                     .surface = GIRIH_SURFACE_PN,
+                                     .frame = frame};
+        result = bench_job_create(target, run->device, &desc, &job, error);
+        const bool fits = !cases[n].methods[0]->unfit || !cases[n].methods[0]->unfit(&job.job);
+        if (result == GIRIH_OK && fits) {
+            result = bench_measure(run, &job, cases[n].methods, 2, figures, error);
+            if (result == GIRIH_OK) {
+                result = bench_add_case(run, &job, figures, error);
+            }
+        }
+        json_decref(figures);
+        bench_job_destroy(&job);
+    }
+    bench_target_destroy(target);
+    bench_mesh_free(&mesh);
     return result;
 }

@@ -1,30 +1,41 @@
 // girih-bench: figures as ratios of alternating runs in one process. No absolute time is a fact on
 // a shared machine.
 #include <argp.h>
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bench.h"
+#include "error.h"
 #include "statistics.h"
 
 typedef struct arguments {
     bool json;
     const char *only; // the case to run; NULL: all
     uint32_t pairs;
+    const char *samples;
+    const char *pictures;
     girih_device_options device;
 } arguments;
 
 static const struct bench_case {
     const char *name;
-    girih_result (*run)(girih_device *device, uint32_t pairs, json_t *cases, girih_error *error);
+    girih_result (*run)(const bench_run *run, girih_error *error);
 } cases[] = {{"spheres", bench_spheres}, {"instances", bench_instances}};
 #define CASE_COUNT (sizeof cases / sizeof *cases)
 
 static const struct argp_option options[] = {
     {"json", 'j', NULL, 0, "Print one JSON object on standard output and nothing else there", 0},
     {"case", 'c', "NAME", 0, "Run one case: spheres, instances", 0},
-    {"runs", 'n', "N", 0, "Pairs of alternating runs, 40 to 4096 (default: 40)", 0},
+    {"runs", 'n', "N", 0,
+     "Pairs of alternating runs, 40 to 4096 (default: 40), or 1 to see only whether all methods "
+     "draw the same",
+     0},
+    {"csv", 's', "FILE", 0, "Write every timed frame to FILE", 0},
+    {"pictures", 'p', "FOLDER", 0, "Write a picture of each case and method into FOLDER", 0},
+    {"device", 'd', "NAME", 0, "The device whose name contains NAME", 0},
+    {"validation", 'v', NULL, 0, "Turn the validation layers on; figures mean nothing then", 0},
     {0}};
 
 static error_t parse(int key, char *value, struct argp_state *state) {
@@ -45,14 +56,26 @@ static error_t parse(int key, char *value, struct argp_state *state) {
     case 'n': {
         char *end;
         const long runs = strtol(value, &end, 10);
-        if (*end || runs < 40 || runs > (long)STATISTICS_MOST) {
-            argp_error(state, "--runs %s: a number from 40 to %u is wanted", value,
+        if (*end || (runs < 40 && runs != 1) || runs > (long)STATISTICS_MOST) {
+            argp_error(state, "--runs %s: 1, or a number from 40 to %u, is wanted", value,
                        STATISTICS_MOST);
             return EINVAL;
         }
         a->pairs = (uint32_t)runs;
         return 0;
     }
+    case 's':
+        a->samples = value;
+        return 0;
+    case 'p':
+        a->pictures = value;
+        return 0;
+    case 'd':
+        a->device.name = value;
+        return 0;
+    case 'v':
+        a->device.validation = true;
+        return 0;
     case ARGP_KEY_ARG:
         argp_error(state, "'%s' is not expected", value);
         return EINVAL;
@@ -76,6 +99,9 @@ static void print_table(const json_t *report) {
         json_object_foreach(json_object_get(item, "methods"), name, figures) {
             const json_t *g = json_object_get(figures, "geometry");
             const json_t *s = json_object_get(figures, "shaded");
+            if (!g || !s) {
+                continue;
+            }
             printf("  %-16s geometry %6.2f (%.2f to %.2f), shaded %6.2f (%.2f to %.2f)\n", name,
                    json_real_value(json_object_get(g, "ratio")),
                    json_real_value(json_object_get(g, "ratio_low")),
@@ -85,6 +111,31 @@ static void print_table(const json_t *report) {
                    json_real_value(json_object_get(s, "ratio_high")));
         }
     }
+}
+
+// Runs the cases that are wanted.
+static girih_result run_cases(const arguments *a, bench_run *run, girih_error *error) {
+    girih_result result = GIRIH_OK;
+    if (a->samples) {
+        run->samples = fopen(a->samples, "w");
+        if (!run->samples) {
+            return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "--csv %s: %s", a->samples,
+                              strerror(errno));
+        }
+        fprintf(run->samples, "case,method,raster,pair,ms,first_method_ms,cpu_ms,"
+                              "first_method_cpu_ms\n");
+    }
+    for (size_t n = 0; n < CASE_COUNT && result == GIRIH_OK; ++n) {
+        if (!a->only || strcmp(a->only, cases[n].name) == 0) {
+            fprintf(stderr, "girih-bench: %s\n", cases[n].name);
+            result = cases[n].run(run, error);
+        }
+    }
+    if (run->samples && fclose(run->samples) != 0 && result == GIRIH_OK) {
+        result = girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "--csv %s: %s", a->samples,
+                            strerror(errno));
+    }
+    return result;
 }
 
 int main(int argc, char **argv) {
@@ -102,17 +153,25 @@ int main(int argc, char **argv) {
     argp_parse(&argp, argc, argv, 0, NULL, &a);
     girih_device device;
     girih_error error = {0};
-    girih_result result = girih_device_open(&device, &a.device, true, NULL, &error);
+    const girih_device_wishes wishes = {.graphics = true,
+                                        .transform_feedback = true,
+                                        .features.geometryShader = VK_TRUE,
+                                        .features.tessellationShader = VK_TRUE,
+                                        .features.shaderClipDistance = VK_TRUE};
+    girih_result result = girih_device_open(&device, &a.device, &wishes, &error);
     if (result != GIRIH_OK) {
         fprintf(stderr, "girih-bench: %s\n", error.message);
         return 1;
     }
     json_t *report = json_pack("{s:s,s:[]}", "device", device.properties.deviceName, "cases");
-    for (size_t n = 0; n < CASE_COUNT && result == GIRIH_OK; ++n) {
-        if (!a.only || strcmp(a.only, cases[n].name) == 0) {
-            fprintf(stderr, "girih-bench: %s\n", cases[n].name);
-            result = cases[n].run(&device, a.pairs, json_object_get(report, "cases"), &error);
-        }
+    bench_run run = {.device = &device,
+                     .pairs = a.pairs,
+                     .cases = json_object_get(report, "cases"),
+                     .pictures = a.pictures};
+    result = run_cases(&a, &run, &error);
+    if (result == GIRIH_OK && device.validation_messages != 0) {
+        result = girih_fail(&error, GIRIH_ERROR_INVALID_DATA, "%u validation messages",
+                            device.validation_messages);
     }
     if (result != GIRIH_OK) {
         fprintf(stderr, "girih-bench: %s\n", error.message);

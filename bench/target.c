@@ -1,26 +1,13 @@
-// Render targets, pipelines and timing of one frame.
+// Images, render pass, the view's uniform blocks, and capture.
+#include "target_private.h"
+
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
-#include "bench.h"
+#include "arrays.h"
 #include "error.h"
-#include "statistics.h"
 
-#include "bench_fragment.spv.h"
-
-#define MOST_METHODS 8
-
-struct bench_target {
-    girih_device *device;
-    const bench_method *methods;
-    uint32_t method_count;
-    girih_device_image color, depth;
-    VkRenderPass pass;
-    VkFramebuffer framebuffer;
-    VkPipelineLayout layout;
-    VkPipeline pipelines[MOST_METHODS][2];
-};
+#include "bench_shaders.h"
 
 static girih_result create_images(bench_target *target, girih_error *error) {
     VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
@@ -30,7 +17,8 @@ static girih_result create_images(bench_target *target, girih_error *error) {
                               .mipLevels = 1,
                               .arrayLayers = 1,
                               .samples = VK_SAMPLE_COUNT_1_BIT,
-                              .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT};
+                              .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
+                                       VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
     girih_result result = girih_device_image_create(target->device, &target->color, &info,
                                                     VK_IMAGE_ASPECT_COLOR_BIT, error);
     if (result == GIRIH_OK) {
@@ -39,16 +27,21 @@ static girih_result create_images(bench_target *target, girih_error *error) {
         result = girih_device_image_create(target->device, &target->depth, &info,
                                            VK_IMAGE_ASPECT_DEPTH_BIT, error);
     }
+    if (result == GIRIH_OK) {
+        result = girih_device_buffer_create(
+            target->device, &target->picture, 4 * BENCH_PIXELS * BENCH_PIXELS,
+            VK_BUFFER_USAGE_TRANSFER_DST_BIT, GIRIH_MEMORY_READBACK, error);
+    }
     return result;
 }
 
-static girih_result create_pass(bench_target *target, girih_error *error) {
+static VkResult create_pass(bench_target *target) {
     const VkAttachmentDescription attachments[2] = {
         {.format = VK_FORMAT_R8G8B8A8_UNORM,
          .samples = VK_SAMPLE_COUNT_1_BIT,
          .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
          .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-         .finalLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
+         .finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL},
         {.format = VK_FORMAT_D32_SFLOAT,
          .samples = VK_SAMPLE_COUNT_1_BIT,
          .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
@@ -60,12 +53,21 @@ static girih_result create_pass(bench_target *target, girih_error *error) {
                                           .colorAttachmentCount = 1,
                                           .pColorAttachments = &color,
                                           .pDepthStencilAttachment = &depth};
-    const VkRenderPassCreateInfo pass = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
+    const VkSubpassDependency ends = {.srcSubpass = 0,
+                                      .dstSubpass = VK_SUBPASS_EXTERNAL,
+                                      .srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+                                      .dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                      .srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
+                                      .dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT};
+    const VkRenderPassCreateInfo info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
                                          .attachmentCount = 2,
                                          .pAttachments = attachments,
                                          .subpassCount = 1,
-                                         .pSubpasses = &subpass};
-    VkResult result = vkCreateRenderPass(target->device->device, &pass, NULL, &target->pass);
+                                         .pSubpasses = &subpass,
+                                         .dependencyCount = 1,
+                                         .pDependencies = &ends};
+    const VkDevice device = target->device->device;
+    VkResult result = vkCreateRenderPass(device, &info, NULL, &target->pass);
     if (result == VK_SUCCESS) {
         const VkImageView views[2] = {target->color.view, target->depth.view};
         const VkFramebufferCreateInfo framebuffer = {.sType =
@@ -76,119 +78,128 @@ static girih_result create_pass(bench_target *target, girih_error *error) {
                                                      .width = BENCH_PIXELS,
                                                      .height = BENCH_PIXELS,
                                                      .layers = 1};
-        result =
-            vkCreateFramebuffer(target->device->device, &framebuffer, NULL, &target->framebuffer);
+        result = vkCreateFramebuffer(device, &framebuffer, NULL, &target->framebuffer);
     }
     if (result == VK_SUCCESS) {
-        const VkPushConstantRange camera = {.stageFlags = VK_SHADER_STAGE_VERTEX_BIT, .size = 64};
-        const VkPipelineLayoutCreateInfo layout = {
-            .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-            .pushConstantRangeCount = 1,
-            .pPushConstantRanges = &camera};
-        result = vkCreatePipelineLayout(target->device->device, &layout, NULL, &target->layout);
+        const VkShaderModuleCreateInfo fragment = {.sType =
+                                                       VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                                   .codeSize = bench_shader_fragment.bytes,
+                                                   .pCode = bench_shader_fragment.words};
+        result = vkCreateShaderModule(device, &fragment, NULL, &target->fragment);
     }
-    return result == VK_SUCCESS
-               ? GIRIH_OK
-               : girih_vulkan_failure(error, "creating the bench's render pass", result);
+    return result;
 }
 
-static VkResult create_pipeline(bench_target *target, const bench_method *method,
-                                bench_raster raster, VkShaderModule vertex, VkShaderModule fragment,
-                                VkPipeline *pipeline) {
-    const VkPipelineShaderStageCreateInfo stages[2] = {
-        {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-         .stage = VK_SHADER_STAGE_VERTEX_BIT,
-         .module = vertex,
-         .pName = "main"},
-        {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-         .stage = VK_SHADER_STAGE_FRAGMENT_BIT,
-         .module = fragment,
-         .pName = "main"}};
-    const VkPipelineInputAssemblyStateCreateInfo assembly = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
-    const VkViewport viewport = {.width = BENCH_PIXELS, .height = BENCH_PIXELS, .maxDepth = 1};
-    const VkRect2D scissor = {.extent = {BENCH_PIXELS, BENCH_PIXELS}};
-    const VkPipelineViewportStateCreateInfo view = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-        .viewportCount = 1,
-        .pViewports = &viewport,
-        .scissorCount = 1,
-        .pScissors = &scissor};
-    const VkPipelineRasterizationStateCreateInfo rasterization = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-        .rasterizerDiscardEnable = raster == BENCH_GEOMETRY,
-        .lineWidth = 1};
-    const VkPipelineMultisampleStateCreateInfo multisample = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
-    const VkPipelineDepthStencilStateCreateInfo depth = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = VK_TRUE,
-        .depthWriteEnable = VK_TRUE,
-        .depthCompareOp = VK_COMPARE_OP_LESS};
-    const VkPipelineColorBlendAttachmentState blend = {.colorWriteMask = 0xf};
-    const VkPipelineColorBlendStateCreateInfo blending = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-        .attachmentCount = 1,
-        .pAttachments = &blend};
-    const VkGraphicsPipelineCreateInfo info = {.sType =
-                                                   VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                               .stageCount = raster == BENCH_GEOMETRY ? 1 : 2,
-                                               .pStages = stages,
-                                               .pVertexInputState = method->vertex_input,
-                                               .pInputAssemblyState = &assembly,
-                                               .pViewportState = &view,
-                                               .pRasterizationState = &rasterization,
-                                               .pMultisampleState = &multisample,
-                                               .pDepthStencilState = &depth,
-                                               .pColorBlendState = &blending,
-                                               .layout = target->layout,
-                                               .renderPass = target->pass};
-    return vkCreateGraphicsPipelines(target->device->device, VK_NULL_HANDLE, 1, &info, NULL,
-                                     pipeline);
+// --- The view -----------------------------------------------------------------------------------
+
+static VkResult create_view_set(bench_target *target) {
+    const VkDevice device = target->device->device;
+    VkDescriptorSetLayoutBinding bindings[2];
+    for (uint32_t n = 0; n < 2; ++n) {
+        bindings[n] =
+            (VkDescriptorSetLayoutBinding){.binding = n,
+                                           .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+                                           .descriptorCount = 1,
+                                           .stageFlags = bench_view_stages(target)};
+    }
+    const VkDescriptorSetLayoutCreateInfo layout = {
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+        .bindingCount = 2,
+        .pBindings = bindings};
+    VkResult result = vkCreateDescriptorSetLayout(device, &layout, NULL, &target->view_layout);
+    if (result == VK_SUCCESS) {
+        const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 2};
+        const VkDescriptorPoolCreateInfo pool = {.sType =
+                                                     VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                                 .maxSets = 1,
+                                                 .poolSizeCount = 1,
+                                                 .pPoolSizes = &size};
+        result = vkCreateDescriptorPool(device, &pool, NULL, &target->view_pool);
+    }
+    if (result == VK_SUCCESS) {
+        const VkDescriptorSetAllocateInfo allocate = {
+            .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+            .descriptorPool = target->view_pool,
+            .descriptorSetCount = 1,
+            .pSetLayouts = &target->view_layout};
+        result = vkAllocateDescriptorSets(device, &allocate, &target->view_set);
+    }
+    if (result == VK_SUCCESS) {
+        const VkDescriptorBufferInfo infos[2] = {
+            {.buffer = target->view.buffer, .range = sizeof(bench_view)},
+            {.buffer = target->view.buffer,
+             .offset = target->frame_offset,
+             .range = sizeof(girih_frame_block)}};
+        const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                            .dstSet = target->view_set,
+                                            .descriptorCount = 2,
+                                            .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+                                            .pBufferInfo = infos};
+        vkUpdateDescriptorSets(device, 1, &write, 0, NULL);
+    }
+    return result;
 }
 
-static VkResult create_module(const girih_device *device, const uint32_t *words, size_t bytes,
-                              VkShaderModule *module) {
-    const VkShaderModuleCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = bytes, .pCode = words};
-    return vkCreateShaderModule(device->device, &info, NULL, module);
+girih_result bench_target_set_view(bench_target *target, const bench_view *view,
+                                   const girih_catalogue *catalogue, const girih_frame *frame,
+                                   girih_error *error) {
+    girih_arrays arrays = {.frame.level_count = catalogue->level_count,
+                           .frame.linear_spacing = catalogue->spacing == GIRIH_SPACING_LINEAR};
+    const girih_result result = girih_pack_frame(&arrays, frame, error);
+    if (result == GIRIH_OK) {
+        char *bytes = target->view.mapped;
+        memcpy(bytes, view, sizeof *view);
+        memcpy(bytes + target->frame_offset, &arrays.frame, sizeof arrays.frame);
+    }
+    return result;
 }
 
-girih_result bench_target_create(girih_device *device, const bench_method *methods,
-                                 uint32_t method_count, bench_target **out, girih_error *error) {
+// --- The target ---------------------------------------------------------------------------------
+
+static void find_feedback(bench_target *target) {
+    if (!target->device->has_transform_feedback) {
+        return;
+    }
+    const VkDevice device = target->device->device;
+    target->feedback =
+        (bench_feedback){.bind = (PFN_vkCmdBindTransformFeedbackBuffersEXT)vkGetDeviceProcAddr(
+                             device, "vkCmdBindTransformFeedbackBuffersEXT"),
+                         .begin = (PFN_vkCmdBeginTransformFeedbackEXT)vkGetDeviceProcAddr(
+                             device, "vkCmdBeginTransformFeedbackEXT"),
+                         .end = (PFN_vkCmdEndTransformFeedbackEXT)vkGetDeviceProcAddr(
+                             device, "vkCmdEndTransformFeedbackEXT"),
+                         .draw_indirect = (PFN_vkCmdDrawIndirectByteCountEXT)vkGetDeviceProcAddr(
+                             device, "vkCmdDrawIndirectByteCountEXT")};
+}
+
+girih_result bench_target_create(girih_device *device, bench_target **out, girih_error *error) {
     bench_target *target = calloc(1, sizeof *target);
-    if (!target || method_count > MOST_METHODS) {
-        free(target);
+    if (!target) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
     target->device = device;
-    target->methods = methods;
-    target->method_count = method_count;
+    find_feedback(target);
+    const VkDeviceSize alignment = device->properties.limits.minUniformBufferOffsetAlignment;
+    target->frame_offset = (sizeof(bench_view) + alignment - 1) / alignment * alignment;
     girih_result result = create_images(target, error);
     if (result == GIRIH_OK) {
-        result = create_pass(target, error);
+        result = girih_device_buffer_create(
+            device, &target->view, target->frame_offset + sizeof(girih_frame_block),
+            VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, GIRIH_MEMORY_UPLOAD, error);
     }
-    VkShaderModule fragment = VK_NULL_HANDLE;
-    VkResult created = VK_SUCCESS;
+    if (result == GIRIH_OK && device->has_transform_feedback) {
+        result = girih_device_buffer_create(
+            device, &target->counter, 4, VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_COUNTER_BUFFER_BIT_EXT,
+            GIRIH_MEMORY_READBACK, error);
+    }
     if (result == GIRIH_OK) {
-        created = create_module(device, girih_spirv_bench_fragment,
-                                sizeof girih_spirv_bench_fragment, &fragment);
-    }
-    for (uint32_t n = 0; n < method_count && result == GIRIH_OK && created == VK_SUCCESS; ++n) {
-        VkShaderModule vertex = VK_NULL_HANDLE;
-        created = create_module(device, methods[n].vertex_shader, methods[n].vertex_shader_bytes,
-                                &vertex);
-        for (uint32_t raster = 0; raster < 2 && created == VK_SUCCESS; ++raster) {
-            created = create_pipeline(target, &methods[n], raster, vertex, fragment,
-                                      &target->pipelines[n][raster]);
+        VkResult created = create_pass(target);
+        if (created == VK_SUCCESS) {
+            created = create_view_set(target);
         }
-        vkDestroyShaderModule(device->device, vertex, NULL);
-    }
-    vkDestroyShaderModule(device->device, fragment, NULL);
-    if (result == GIRIH_OK && created != VK_SUCCESS) {
-        result = girih_vulkan_failure(error, "creating the bench's pipelines", created);
+        if (created != VK_SUCCESS) {
+            result = girih_vulkan_failure(error, "creating the bench's render pass", created);
+        }
     }
     if (result != GIRIH_OK) {
         bench_target_destroy(target);
@@ -203,106 +214,124 @@ void bench_target_destroy(bench_target *target) {
         return;
     }
     const VkDevice device = target->device->device;
-    for (uint32_t n = 0; n < MOST_METHODS; ++n) {
-        vkDestroyPipeline(device, target->pipelines[n][0], NULL);
-        vkDestroyPipeline(device, target->pipelines[n][1], NULL);
-    }
-    vkDestroyPipelineLayout(device, target->layout, NULL);
+    vkDestroyDescriptorPool(device, target->view_pool, NULL);
+    vkDestroyDescriptorSetLayout(device, target->view_layout, NULL);
+    vkDestroyShaderModule(device, target->fragment, NULL);
     vkDestroyFramebuffer(device, target->framebuffer, NULL);
     vkDestroyRenderPass(device, target->pass, NULL);
+    girih_device_buffer_destroy(target->device, &target->counter);
+    girih_device_buffer_destroy(target->device, &target->captured);
+    girih_device_buffer_destroy(target->device, &target->picture);
+    girih_device_buffer_destroy(target->device, &target->view);
     girih_device_image_destroy(target->device, &target->depth);
     girih_device_image_destroy(target->device, &target->color);
     free(target);
 }
 
-static double now(void) {
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec * 1e3 + (double)time.tv_nsec * 1e-6;
+const bench_feedback *bench_target_feedback(const bench_target *target) {
+    return target->device->has_transform_feedback ? &target->feedback : NULL;
 }
 
-girih_result bench_frame(bench_target *target, uint32_t method, bench_raster raster, uint32_t frame,
-                         double *milliseconds, girih_error *error) {
-    const bench_method *m = &target->methods[method];
-    const double begin = now();
-    girih_result result = girih_device_begin(target->device, error);
-    if (result != GIRIH_OK) {
-        return result;
-    }
-    const VkCommandBuffer commands = target->device->commands;
-    if (m->prepare) {
-        result = m->prepare(m->state, commands, frame, error);
-        if (result != GIRIH_OK) {
-            return result;
-        }
-    }
+// --- Frames -------------------------------------------------------------------------------------
+
+void bench_target_begin(const bench_target *target, VkCommandBuffer commands) {
     const VkClearValue clears[2] = {{.color = {.float32 = {0, 0, 0, 1}}},
                                     {.depthStencil = {.depth = 1}}};
+    const VkRect2D all = {.extent = {BENCH_PIXELS, BENCH_PIXELS}};
     const VkRenderPassBeginInfo pass = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                         .renderPass = target->pass,
                                         .framebuffer = target->framebuffer,
-                                        .renderArea = {.extent = {BENCH_PIXELS, BENCH_PIXELS}},
+                                        .renderArea = all,
                                         .clearValueCount = 2,
                                         .pClearValues = clears};
-    // A unit sphere seen whole: orthographic, looking along -z.
-    static const float camera[4][4] = {
-        {0.9f, 0, 0, 0}, {0, -0.9f, 0, 0}, {0, 0, -0.4f, 0.5f}, {0, 0, 0, 1}};
+    const VkViewport viewport = {.width = BENCH_PIXELS, .height = BENCH_PIXELS, .maxDepth = 1};
     vkCmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, target->pipelines[method][raster]);
-    vkCmdPushConstants(commands, target->layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof camera,
-                       camera);
-    m->draw(m->state, commands);
+    vkCmdSetViewport(commands, 0, 1, &viewport);
+    vkCmdSetScissor(commands, 0, 1, &all);
+}
+
+void bench_target_end(const bench_target *target, VkCommandBuffer commands) {
+    (void)target;
     vkCmdEndRenderPass(commands);
-    result = girih_device_finish(target->device, error);
-    *milliseconds = now() - begin;
+}
+
+girih_result bench_capture_reserve(bench_target *target, uint32_t triangles, girih_error *error) {
+    if (!target->device->has_transform_feedback) {
+        return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
+                          "capturing triangles needs VK_EXT_transform_feedback");
+    }
+    // One more than is expected: where it is filled there may have been even more.
+    const uint32_t room = triangles + 1;
+    girih_result result = GIRIH_OK;
+    if (room > target->capture_room) {
+        girih_device_buffer_destroy(target->device, &target->captured);
+        target->capture_room = 0;
+        result = girih_device_buffer_create(
+            target->device, &target->captured, (VkDeviceSize)room * 3 * BENCH_CORNER_BYTES,
+            VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_BUFFER_BIT_EXT, GIRIH_MEMORY_READBACK, error);
+    }
+    if (result == GIRIH_OK) {
+        target->capture_room = room > target->capture_room ? room : target->capture_room;
+        *(uint32_t *)target->counter.mapped = 0;
+    }
     return result;
 }
 
-// One method's figures from its own times and the paired times of method 0.
-static json_t *figures(const double *own, const double *base, uint32_t pairs) {
-    double sorted[STATISTICS_MOST];
-    double ratios[STATISTICS_MOST];
-    double low, high;
-    memcpy(sorted, own, pairs * sizeof *sorted);
-    const double median = statistics_median(sorted, pairs);
-    for (uint32_t n = 0; n < pairs; ++n) {
-        ratios[n] = own[n] / base[n];
+void bench_begin_draws(bench_target *target, VkCommandBuffer commands, bench_raster raster) {
+    if (raster == BENCH_CAPTURE) {
+        const VkDeviceSize offset = 0;
+        target->feedback.bind(commands, 0, 1, &target->captured.buffer, &offset,
+                              &target->captured.size);
+        target->feedback.begin(commands, 0, 0, NULL, NULL);
     }
-    statistics_interval(ratios, pairs, &low, &high);
-    return json_pack("{s:f,s:f,s:f,s:f,s:f,s:f}", "median_ms", median, "min_ms", sorted[0],
-                     "max_ms", sorted[pairs - 1], "ratio", statistics_median(ratios, pairs),
-                     "ratio_low", low, "ratio_high", high);
 }
 
-girih_result bench_measure(bench_target *target, const bench_method *list, uint32_t method_count,
-                           uint32_t pairs, json_t *methods, girih_error *error) {
-    static double own[STATISTICS_MOST];
-    static double base[STATISTICS_MOST];
-    static const char *const names[2] = {"geometry", "shaded"};
-    for (uint32_t method = 0; method < method_count; ++method) {
-        json_t *object = json_object();
-        for (uint32_t raster = 0; raster < 2; ++raster) {
-            double warm_up;
-            girih_result result = GIRIH_OK;
-            for (uint32_t n = 0; n < 4 && result == GIRIH_OK; ++n) {
-                result = bench_frame(target, n % 2 ? method : 0, raster, n, &warm_up, error);
-            }
-            for (uint32_t n = 0; n < pairs && result == GIRIH_OK; ++n) {
-                // Which of the two goes first alternates too.
-                double *const first = n % 2 ? &own[n] : &base[n];
-                double *const second = n % 2 ? &base[n] : &own[n];
-                result = bench_frame(target, n % 2 ? method : 0, raster, n, first, error);
-                if (result == GIRIH_OK) {
-                    result = bench_frame(target, n % 2 ? 0 : method, raster, n, second, error);
-                }
-            }
-            if (result != GIRIH_OK) {
-                json_decref(object);
-                return result;
-            }
-            json_object_set_new(object, names[raster], figures(own, base, pairs));
-        }
-        json_object_set_new(methods, list[method].name, object);
+void bench_end_draws(bench_target *target, VkCommandBuffer commands, bench_raster raster) {
+    if (raster == BENCH_CAPTURE) {
+        const VkDeviceSize offset = 0;
+        target->feedback.end(commands, 0, 1, &target->counter.buffer, &offset);
     }
+}
+
+girih_result bench_capture_read(bench_target *target, bench_triangles *triangles,
+                                girih_error *error) {
+    const uint32_t bytes = *(const uint32_t *)target->counter.mapped;
+    *triangles = (bench_triangles){.count = bytes / (3 * BENCH_CORNER_BYTES)};
+    // Full to the last triangle: there may have been more.
+    if (triangles->count >= target->capture_room) {
+        return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
+                          "a frame has more than the %u triangles that were expected of it",
+                          target->capture_room - 1);
+    }
+    triangles->corners = malloc(bytes + 1u);
+    if (!triangles->corners) {
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
+    }
+    memcpy(triangles->corners, target->captured.mapped, bytes);
     return GIRIH_OK;
+}
+
+girih_result bench_target_picture(bench_target *target, uint8_t **rgba, girih_error *error) {
+    const size_t bytes = (size_t)4 * BENCH_PIXELS * BENCH_PIXELS;
+    *rgba = malloc(bytes);
+    if (!*rgba) {
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
+    }
+    girih_result result = girih_device_begin(target->device, error);
+    if (result == GIRIH_OK) {
+        const VkBufferImageCopy copy = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                        .imageExtent = {BENCH_PIXELS, BENCH_PIXELS, 1}};
+        vkCmdCopyImageToBuffer(target->device->commands, target->color.image,
+                               VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target->picture.buffer, 1,
+                               &copy);
+        girih_device_full_barrier(target->device->commands);
+        result = girih_device_finish(target->device, error);
+    }
+    if (result == GIRIH_OK) {
+        memcpy(*rgba, target->picture.mapped, bytes);
+    } else {
+        free(*rgba);
+        *rgba = NULL;
+    }
+    return result;
 }

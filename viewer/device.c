@@ -11,20 +11,34 @@ static const char validation_layer[] = "VK_LAYER_KHRONOS_validation";
 
 static const char *result_name(VkResult result) {
     switch (result) {
-    case VK_ERROR_OUT_OF_HOST_MEMORY: return "VK_ERROR_OUT_OF_HOST_MEMORY";
-    case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
-    case VK_ERROR_INITIALIZATION_FAILED: return "VK_ERROR_INITIALIZATION_FAILED";
-    case VK_ERROR_DEVICE_LOST: return "VK_ERROR_DEVICE_LOST";
-    case VK_ERROR_MEMORY_MAP_FAILED: return "VK_ERROR_MEMORY_MAP_FAILED";
-    case VK_ERROR_LAYER_NOT_PRESENT: return "VK_ERROR_LAYER_NOT_PRESENT";
-    case VK_ERROR_EXTENSION_NOT_PRESENT: return "VK_ERROR_EXTENSION_NOT_PRESENT";
-    case VK_ERROR_FEATURE_NOT_PRESENT: return "VK_ERROR_FEATURE_NOT_PRESENT";
-    case VK_ERROR_INCOMPATIBLE_DRIVER: return "VK_ERROR_INCOMPATIBLE_DRIVER";
-    case VK_ERROR_TOO_MANY_OBJECTS: return "VK_ERROR_TOO_MANY_OBJECTS";
-    case VK_ERROR_FORMAT_NOT_SUPPORTED: return "VK_ERROR_FORMAT_NOT_SUPPORTED";
-    case VK_ERROR_FRAGMENTED_POOL: return "VK_ERROR_FRAGMENTED_POOL";
-    case VK_ERROR_OUT_OF_POOL_MEMORY: return "VK_ERROR_OUT_OF_POOL_MEMORY";
-    default: return "VkResult";
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+        return "VK_ERROR_OUT_OF_HOST_MEMORY";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+        return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
+    case VK_ERROR_INITIALIZATION_FAILED:
+        return "VK_ERROR_INITIALIZATION_FAILED";
+    case VK_ERROR_DEVICE_LOST:
+        return "VK_ERROR_DEVICE_LOST";
+    case VK_ERROR_MEMORY_MAP_FAILED:
+        return "VK_ERROR_MEMORY_MAP_FAILED";
+    case VK_ERROR_LAYER_NOT_PRESENT:
+        return "VK_ERROR_LAYER_NOT_PRESENT";
+    case VK_ERROR_EXTENSION_NOT_PRESENT:
+        return "VK_ERROR_EXTENSION_NOT_PRESENT";
+    case VK_ERROR_FEATURE_NOT_PRESENT:
+        return "VK_ERROR_FEATURE_NOT_PRESENT";
+    case VK_ERROR_INCOMPATIBLE_DRIVER:
+        return "VK_ERROR_INCOMPATIBLE_DRIVER";
+    case VK_ERROR_TOO_MANY_OBJECTS:
+        return "VK_ERROR_TOO_MANY_OBJECTS";
+    case VK_ERROR_FORMAT_NOT_SUPPORTED:
+        return "VK_ERROR_FORMAT_NOT_SUPPORTED";
+    case VK_ERROR_FRAGMENTED_POOL:
+        return "VK_ERROR_FRAGMENTED_POOL";
+    case VK_ERROR_OUT_OF_POOL_MEMORY:
+        return "VK_ERROR_OUT_OF_POOL_MEMORY";
+    default:
+        return "VkResult";
     }
 }
 
@@ -39,7 +53,8 @@ static const char *advice(VkResult result) {
                "refine, use --cpu";
     case VK_ERROR_DEVICE_LOST:
         return ": the driver gave up; try another --device, or --validation to find the cause";
-    default: return "";
+    default:
+        return "";
     }
 }
 
@@ -168,11 +183,16 @@ static uint32_t find_queue_family(VkPhysicalDevice physical, VkQueueFlags flags)
 
 static int preference(VkPhysicalDeviceType type) {
     switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 4;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 3;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return 1;
-    default: return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+        return 4;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+        return 3;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+        return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+        return 1;
+    default:
+        return 0;
     }
 }
 
@@ -239,14 +259,35 @@ static void enable_features(const VkPhysicalDeviceFeatures *there,
     memcpy(enabled, c, sizeof c);
 }
 
-static girih_result create_device(girih_device *device, const VkPhysicalDeviceFeatures *wanted,
+static bool has_extension(VkPhysicalDevice physical, const char *name) {
+    VkExtensionProperties extensions[512];
+    uint32_t count = 512;
+    const VkResult result =
+        vkEnumerateDeviceExtensionProperties(physical, NULL, &count, extensions);
+    for (uint32_t n = 0; (result == VK_SUCCESS || result == VK_INCOMPLETE) && n < count; n++) {
+        if (strcmp(extensions[n].extensionName, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static girih_result create_device(girih_device *device, const girih_device_wishes *wishes,
                                   girih_error *error) {
     VkPhysicalDeviceFeatures there;
     vkGetPhysicalDeviceFeatures(device->physical, &there);
     girih_requirements requirements = girih_get_requirements();
     enable_features(&there, &requirements.optional, &device->features);
-    if (wanted != NULL) {
-        enable_features(&there, wanted, &device->features);
+    enable_features(&there, &wishes->features, &device->features);
+    VkPhysicalDeviceTransformFeedbackFeaturesEXT feedback = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TRANSFORM_FEEDBACK_FEATURES_EXT};
+    const char *const feedback_name = VK_EXT_TRANSFORM_FEEDBACK_EXTENSION_NAME;
+    if (wishes->transform_feedback && has_extension(device->physical, feedback_name)) {
+        VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                              .pNext = &feedback};
+        vkGetPhysicalDeviceFeatures2(device->physical, &features);
+        feedback.geometryStreams = VK_FALSE;
+        device->has_transform_feedback = feedback.transformFeedback;
     }
     float priority = 1.0f;
     VkDeviceQueueCreateInfo queue = {
@@ -257,8 +298,11 @@ static girih_result create_device(girih_device *device, const VkPhysicalDeviceFe
     };
     VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+        .pNext = device->has_transform_feedback ? &feedback : NULL,
         .queueCreateInfoCount = 1,
         .pQueueCreateInfos = &queue,
+        .enabledExtensionCount = device->has_transform_feedback ? 1 : 0,
+        .ppEnabledExtensionNames = &feedback_name,
         .pEnabledFeatures = &device->features,
     };
     VkResult result = vkCreateDevice(device->physical, &info, NULL, &device->device);
@@ -296,16 +340,16 @@ static girih_result create_device(girih_device *device, const VkPhysicalDeviceFe
 }
 
 girih_result girih_device_open(girih_device *device, const girih_device_options *options,
-                               bool graphics, const VkPhysicalDeviceFeatures *wanted,
-                               girih_error *error) {
+                               const girih_device_wishes *wishes, girih_error *error) {
     *device = (girih_device){0};
-    VkQueueFlags flags = girih_get_requirements().queue | (graphics ? VK_QUEUE_GRAPHICS_BIT : 0u);
+    VkQueueFlags flags =
+        girih_get_requirements().queue | (wishes->graphics ? VK_QUEUE_GRAPHICS_BIT : 0u);
     girih_result result = create_instance(device, options->validation, error);
     if (result == GIRIH_OK) {
         result = choose_physical(device, options->name, flags, error);
     }
     if (result == GIRIH_OK) {
-        result = create_device(device, wanted, error);
+        result = create_device(device, wishes, error);
     }
     if (result != GIRIH_OK) {
         girih_device_close(device);

@@ -20,18 +20,24 @@ typedef struct girih_device {
     uint32_t queue_family;
     VkQueue queue;
     bool has_timestamps;
+    bool has_transform_feedback; // enabled
     VkCommandPool pool;
     VkCommandBuffer commands;
     VkFence fence;
     uint32_t validation_messages;
 } girih_device;
 
+// What a program likes its device to have, beside what girih lists.
+typedef struct girih_device_wishes {
+    bool graphics;                     // a queue that draws; the device must have one
+    bool transform_feedback;           // VK_EXT_transform_feedback, where the device has it
+    VkPhysicalDeviceFeatures features; // enabled where the device has them
+} girih_device_wishes;
+
 // Opens the device that the options name, else the likely fastest one, with a queue that runs
-// girih's commands and, where graphics is true, draws. Of the optional features, those girih lists
-// and `wanted` are enabled where the device has them. *device must not move while it is open.
+// girih's commands. *device must not move while it is open.
 girih_result girih_device_open(girih_device *device, const girih_device_options *options,
-                               bool graphics, const VkPhysicalDeviceFeatures *wanted,
-                               girih_error *error);
+                               const girih_device_wishes *wishes, girih_error *error);
 void girih_device_close(girih_device *device);
 
 // A context for the device.

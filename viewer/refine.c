@@ -41,7 +41,9 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         state->child_inputs[2] = &options->camera;
         state->child_inputs[3] = &options->device;
         return 0;
-    case 'o': options->output = argument; return 0;
+    case 'o':
+        options->output = argument;
+        return 0;
     case KEY_MODE: {
         girih_mode_option mode = girih_option_mode(state, argument);
         if (mode == GIRIH_MODE_OPTION_INSTANCED) {
@@ -52,16 +54,23 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         options->mode = mode == GIRIH_MODE_OPTION_BAKED ? GIRIH_MODE_BAKED : GIRIH_MODE_WELDED;
         return 0;
     }
-    case KEY_JSON: options->json = true; return 0;
-    case ARGP_KEY_ARG: girih_option_model(state, &options->model, argument); return 0;
-    case ARGP_KEY_NO_ARGS: argp_error(state, "no MODEL"); return 0;
+    case KEY_JSON:
+        options->json = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        girih_option_model(state, &options->model, argument);
+        return 0;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "no MODEL");
+        return 0;
     case ARGP_KEY_END:
         if (options->output == NULL) {
             argp_error(state, "no -o FILE to write to");
         }
         girih_option_surface_on_cpu(state, &options->surface, &options->device);
         return 0;
-    default: return ARGP_ERR_UNKNOWN;
+    default:
+        return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -182,7 +191,8 @@ static girih_result refine_on_device(session *s, girih_error *error) {
     girih_context *context = NULL;
     girih_scene *scene = NULL;
     girih_refinement refinement = {0};
-    girih_result result = girih_device_open(&device, &s->options->device, false, NULL, error);
+    girih_result result =
+        girih_device_open(&device, &s->options->device, &(girih_device_wishes){0}, error);
     if (result != GIRIH_OK) {
         return result;
     }

@@ -190,8 +190,9 @@ static girih_result choose_mode(session *s, girih_error *error) {
 }
 
 static girih_result open_device(session *s, girih_error *error) {
-    VkPhysicalDeviceFeatures wanted = {.fillModeNonSolid = s->options->wireframe};
-    girih_result result = girih_device_open(&s->device, &s->options->device, true, &wanted, error);
+    const girih_device_wishes wishes = {.graphics = true,
+                                        .features.fillModeNonSolid = s->options->wireframe};
+    girih_result result = girih_device_open(&s->device, &s->options->device, &wishes, error);
     if (result != GIRIH_OK) {
         return result;
     }
