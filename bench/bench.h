@@ -31,6 +31,8 @@ void bench_mesh_free(bench_mesh *mesh);
 // A unit sphere of 20 * 4^halvings triangles.
 girih_result bench_sphere(uint32_t halvings, bench_mesh *mesh, girih_error *error);
 
+#define BENCH_FRAMES 64u
+
 // What a job draws and how it changes from frame to frame.
 typedef struct bench_job_desc {
     const char *name;
@@ -41,7 +43,7 @@ typedef struct bench_job_desc {
     // the reference's levels, an even one others, so that levels change every frame.
     void (*frame)(const void *user, uint32_t n, girih_frame *frame, bench_view *view);
     const void *user;
-    uint32_t frame_count; // how many different frames there are: room is made for each; 0: 64
+    uint32_t frame_count; // different frames; those after them begin again; 0: BENCH_FRAMES
 } bench_job_desc;
 
 typedef struct bench_case_job {

@@ -99,8 +99,7 @@ static girih_result count_frames(bench_case_job *job, girih_error *error) {
     girih_device *device = job->job.device;
     girih_plan *plan = NULL;
     girih_result result = girih_plan_create(job->job.context, &desc, &plan, error);
-    const uint32_t count = job->desc.frame_count ? job->desc.frame_count : 64;
-    for (uint32_t n = 0; n < count && result == GIRIH_OK; ++n) {
+    for (uint32_t n = 0; n < job->desc.frame_count && result == GIRIH_OK; ++n) {
         girih_frame frame = {0};
         bench_view view;
         job->desc.frame(job->desc.user, n, &frame, &view);
@@ -137,6 +136,9 @@ girih_result bench_job_create(bench_target *target, girih_device *device,
                                     .triangle_count = desc->mesh->triangle_count,
                                     .catalogue = desc->catalogue,
                                     .surface = desc->surface}};
+    if (job->desc.frame_count == 0) {
+        job->desc.frame_count = BENCH_FRAMES;
+    }
     const girih_mesh_desc mesh = {.name = desc->mesh->name,
                                   .vertex_count = desc->mesh->vertex_count,
                                   .positions = desc->mesh->positions,

@@ -21,13 +21,17 @@ typedef struct arguments {
 
 static const struct bench_case {
     const char *name;
+    const char *what;
     girih_result (*run)(const bench_run *run, girih_error *error);
-} cases[] = {{"spheres", bench_spheres}, {"instances", bench_instances}};
+} cases[] = {
+    {"spheres", "Curved PN spheres with random levels, against the static mesh", bench_spheres},
+    {"instances", "a thousand instances of a hundred meshes, against one mesh", bench_instances},
+};
 #define CASE_COUNT (sizeof cases / sizeof *cases)
 
 static const struct argp_option options[] = {
     {"json", 'j', NULL, 0, "Print one JSON object on standard output and nothing else there", 0},
-    {"case", 'c', "NAME", 0, "Run one case: spheres, instances", 0},
+    {"case", 'c', "NAME", 0, "Run one case alone; their names are below", 0},
     {"runs", 'n', "N", 0,
      "Pairs of alternating runs, 40 to 4096 (default: 40), or 1 to see only whether all methods "
      "draw the same",
@@ -51,7 +55,7 @@ static error_t parse(int key, char *value, struct argp_state *state) {
                 return 0;
             }
         }
-        argp_error(state, "there is no case '%s'; cases: spheres, instances", value);
+        argp_error(state, "there is no case '%s'; --help lists them", value);
         return EINVAL;
     case 'n': {
         char *end;
@@ -82,6 +86,26 @@ static error_t parse(int key, char *value, struct argp_state *state) {
     default:
         return ARGP_ERR_UNKNOWN;
     }
+}
+
+// The text after the options: the cases.
+static char *help_text(int key, const char *text, void *input) {
+    (void)input;
+    if (key != ARGP_KEY_HELP_POST_DOC) {
+        return (char *)text;
+    }
+    size_t size = 0;
+    char *whole = NULL;
+    FILE *stream = open_memstream(&whole, &size);
+    if (!stream) {
+        return NULL;
+    }
+    fputs("Cases:\n", stream);
+    for (size_t n = 0; n < CASE_COUNT; ++n) {
+        fprintf(stream, "  %-10s %s\n", cases[n].name, cases[n].what);
+    }
+    fprintf(stream, "\n%s", text);
+    return fclose(stream) == 0 ? whole : NULL;
 }
 
 static void print_table(const json_t *report) {
@@ -147,7 +171,7 @@ int main(int argc, char **argv) {
         "Measure girih against its rivals, as ratios of alternating runs in one process.\v"
         "Examples:\n  girih-bench --json --case spheres\n  girih-bench --runs 100",
         NULL,
-        NULL,
+        help_text,
         NULL};
     argp_err_exit_status = 2;
     argp_parse(&argp, argc, argv, 0, NULL, &a);

@@ -25,7 +25,7 @@ girih_result bench_frame(bench_case_job *job, const bench_method *method, void *
                          bench_raster raster, uint32_t n, bench_time *time, girih_error *error) {
     bench_job *j = &job->job;
     bench_view view;
-    job->desc.frame(job->desc.user, n, &j->frame, &view);
+    job->desc.frame(job->desc.user, n % job->desc.frame_count, &j->frame, &view);
     girih_result result = bench_target_set_view(j->target, &view, j->catalogue, &j->frame, error);
     const double wall = girih_seconds();
     const double cpu = cpu_milliseconds();
@@ -243,11 +243,26 @@ girih_result bench_measure(const bench_run *run, bench_case_job *job,
     return result;
 }
 
+// What the frames were: their seeds, and where the eye was.
+static json_t *frames_of(const bench_case_job *job) {
+    json_t *frames = json_array();
+    for (uint32_t n = 0; n < job->desc.frame_count; ++n) {
+        girih_frame frame = {0};
+        bench_view view;
+        job->desc.frame(job->desc.user, n, &frame, &view);
+        json_array_append_new(frames, json_pack("{s:I,s:[f,f,f]}", "seed", (json_int_t)frame.seed,
+                                                "eye", (double)frame.eye[0], (double)frame.eye[1],
+                                                (double)frame.eye[2]));
+    }
+    return frames;
+}
+
 girih_result bench_add_case(const bench_run *run, const bench_case_job *job, json_t *figures,
                             girih_error *error) {
     json_t *item = json_pack("{s:s,s:I,s:I,s:O}", "name", job->job.name, "input_triangles",
                              (json_int_t)job->job.triangle_count, "output_triangles",
-                             (json_int_t)job->reference.needed_triangles, "methods", figures);
+                             (json_int_t)job->reference.needed_triangles, "frames", frames_of(job),
+                             "methods", figures);
     if (!item || json_array_append_new(run->cases, item) != 0) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
