@@ -11,9 +11,10 @@
 typedef struct bench_run {
     girih_device *device;
     uint32_t pairs;
-    json_t *cases;        // what the cases found
-    FILE *samples;        // CSV with every frame that was timed; NULL: not wanted
-    const char *pictures; // folder for one picture a case and method; NULL: not wanted
+    json_t *cases;         // what the cases found
+    FILE *samples;         // CSV with every frame that was timed; NULL: not wanted
+    const char *pictures;  // folder for one picture a case and method; NULL: not wanted
+    uint32_t picture_size; // its width and height: BENCH_PIXELS or a half, a quarter, ... of it
 } bench_run;
 
 // A mesh to refine; the case's.
@@ -82,6 +83,7 @@ girih_result bench_add_case(const bench_run *run, const bench_case_job *job, jso
 
 // The cases: each appends one or more objects to run->cases.
 girih_result bench_spheres(const bench_run *run, girih_error *error);
+girih_result bench_conditions(const bench_run *run, girih_error *error);
 girih_result bench_instances(const bench_run *run, girih_error *error);
 
 #endif

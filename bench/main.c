@@ -16,6 +16,7 @@ typedef struct arguments {
     uint32_t pairs;
     const char *samples;
     const char *pictures;
+    uint32_t picture_size;
     girih_device_options device;
 } arguments;
 
@@ -26,6 +27,7 @@ static const struct bench_case {
 } cases[] = {
     {"spheres", "Curved PN spheres with random levels, against the static mesh", bench_spheres},
     {"instances", "a thousand instances of a hundred meshes, against one mesh", bench_instances},
+    {"conditions", "few groups or many, views that move or stand, surfaces", bench_conditions},
 };
 #define CASE_COUNT (sizeof cases / sizeof *cases)
 
@@ -38,6 +40,8 @@ static const struct argp_option options[] = {
      0},
     {"csv", 's', "FILE", 0, "Write every timed frame to FILE", 0},
     {"pictures", 'p', "FOLDER", 0, "Write a picture of each case and method into FOLDER", 0},
+    {"picture-size", 'z', "N", 0, "Width of these pictures: 1024 (the default), 512, 256 or 128",
+     0},
     {"device", 'd', "NAME", 0, "The device whose name contains NAME", 0},
     {"validation", 'v', NULL, 0, "Turn the validation layers on; figures mean nothing then", 0},
     {0}};
@@ -73,6 +77,14 @@ static error_t parse(int key, char *value, struct argp_state *state) {
         return 0;
     case 'p':
         a->pictures = value;
+        return 0;
+    case 'z':
+        a->picture_size = (uint32_t)strtoul(value, NULL, 10);
+        if (a->picture_size != 1024 && a->picture_size != 512 && a->picture_size != 256 &&
+            a->picture_size != 128) {
+            argp_error(state, "--picture-size %s: 1024, 512, 256 or 128 is wanted", value);
+            return EINVAL;
+        }
         return 0;
     case 'd':
         a->device.name = value;
@@ -163,7 +175,7 @@ static girih_result run_cases(const arguments *a, bench_run *run, girih_error *e
 }
 
 int main(int argc, char **argv) {
-    arguments a = {.pairs = 40};
+    arguments a = {.pairs = 40, .picture_size = BENCH_PIXELS};
     static const struct argp argp = {
         options,
         parse,
@@ -191,7 +203,8 @@ int main(int argc, char **argv) {
     bench_run run = {.device = &device,
                      .pairs = a.pairs,
                      .cases = json_object_get(report, "cases"),
-                     .pictures = a.pictures};
+                     .pictures = a.pictures,
+                     .picture_size = a.picture_size};
     result = run_cases(&a, &run, &error);
     if (result == GIRIH_OK && device.validation_messages != 0) {
         result = girih_fail(&error, GIRIH_ERROR_INVALID_DATA, "%u validation messages",

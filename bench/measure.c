@@ -119,6 +119,23 @@ static girih_result measure_raster(const bench_run *run, bench_case_job *job,
 
 // --- Whether the methods draw the same ----------------------------------------------------------
 
+// Averages squares of pixels, in place.
+static void shrink(uint8_t *rgba, uint32_t size) {
+    const uint32_t square = BENCH_PIXELS / size;
+    for (uint32_t y = 0; y < size; ++y) {
+        for (uint32_t x = 0; x < size; ++x) {
+            for (uint32_t channel = 0; channel < 4; ++channel) {
+                uint32_t sum = 0;
+                for (uint32_t n = 0; n < square * square; ++n) {
+                    const uint32_t from = (y * square + n / square) * BENCH_PIXELS + x * square;
+                    sum += rgba[4 * (from + n % square) + channel];
+                }
+                rgba[4 * (y * size + x) + channel] = (uint8_t)(sum / (square * square));
+            }
+        }
+    }
+}
+
 static girih_result write_picture(const bench_run *run, bench_case_job *job,
                                   const bench_method *method, void *state, girih_error *error) {
     bench_time time;
@@ -136,7 +153,9 @@ static girih_result write_picture(const bench_run *run, bench_case_job *job,
             *c = *c == ' ' || *c == ',' || *c == '/' ? '-' : *c;
         }
         snprintf(path, sizeof path, "%s/%s_%s.png", run->pictures, name, method->name);
-        if (!girih_png_write(path, BENCH_PIXELS, BENCH_PIXELS, rgba, message, sizeof message)) {
+        shrink(rgba, run->picture_size);
+        if (!girih_png_write(path, run->picture_size, run->picture_size, rgba, message,
+                             sizeof message)) {
             result = girih_fail(error, GIRIH_ERROR_INVALID_DATA, "%s: %s", path, message);
         }
     }
@@ -259,7 +278,7 @@ static json_t *frames_of(const bench_case_job *job) {
 
 girih_result bench_add_case(const bench_run *run, const bench_case_job *job, json_t *figures,
                             girih_error *error) {
-    json_t *item = json_pack("{s:s,s:I,s:I,s:O}", "name", job->job.name, "input_triangles",
+    json_t *item = json_pack("{s:s,s:I,s:I,s:o,s:O}", "name", job->job.name, "input_triangles",
                              (json_int_t)job->job.triangle_count, "output_triangles",
                              (json_int_t)job->reference.needed_triangles, "frames", frames_of(job),
                              "methods", figures);

@@ -12,6 +12,7 @@ extern const bench_method bench_girih_baked;
 extern const bench_method bench_girih_welded;
 extern const bench_method bench_girih_instanced;
 extern const bench_method bench_girih_unchanged; // refined once, drawn again each frame
+extern const bench_method bench_girih_displaced; // baked, with waves on the base surface
 
 // Their functions, for methods of girih's with a scene of their own: the state of a plan that
 // `plan` describes, with pipelines for its mode and surface.
