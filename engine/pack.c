@@ -8,6 +8,8 @@
 #include "error.h"
 #include "memory.h"
 
+static const double pi = 3.14159265358979323846;
+
 girih_result girih_allocate_words(girih_arrays *arrays, uint32_t binding, uint64_t count,
                                   girih_error *error) {
     uint64_t words = count > 0 ? count : 1;
@@ -86,6 +88,34 @@ static girih_result pack_pixels(girih_frame_block *block, const girih_frame *fra
     return GIRIH_OK;
 }
 
+// The angle that n segments reach is n times one segment's; beyond 180 degrees every edge is
+// reached. Worked out in double, so that CPU and GPU compare with the same numbers.
+static girih_result pack_horizontal(girih_frame_block *block, const girih_frame *frame,
+                                    girih_error *error) {
+    if (!(frame->length > 0.0f) || !(frame->pixels_per_radian > 0.0f)) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "frame: %g pixels a segment and %g pixels a radian must both be positive",
+                          (double)frame->length, (double)frame->pixels_per_radian);
+    }
+    const double angle = (double)frame->length / (double)frame->pixels_per_radian;
+    block->near_squared = positive_square(angle * (double)frame->near_distance);
+    if (block->near_squared == 0.0f) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "frame: segments of %g radians at the near distance %g are out of range",
+                          angle, (double)frame->near_distance);
+    }
+    block->rule = GIRIH_LEVELS_HORIZONTAL;
+    for (uint32_t level = 0; level < block->level_count; ++level) {
+        const double segments =
+            block->linear_spacing != 0 ? (double)level + 1.0 : ldexp(1.0, (int)level);
+        const double reached = segments * angle;
+        float *turn = block->turns[level / 2] + 2 * (level % 2);
+        turn[0] = reached < pi ? (float)cos(reached) : -1.0f;
+        turn[1] = reached < pi ? (float)sin(reached) : 0.0f;
+    }
+    return GIRIH_OK;
+}
+
 static girih_result pack_rule(girih_frame_block *block, const girih_frame *frame,
                               girih_error *error) {
     switch (frame->rule) {
@@ -105,6 +135,8 @@ static girih_result pack_rule(girih_frame_block *block, const girih_frame *frame
         return GIRIH_OK;
     case GIRIH_LEVEL_EDGE_PIXELS:
         return pack_pixels(block, frame, error);
+    case GIRIH_LEVEL_HORIZONTAL_PIXELS:
+        return pack_horizontal(block, frame, error);
     case GIRIH_LEVEL_EDGE_LENGTH:
         block->rule = GIRIH_LEVELS_OBJECT_LENGTH;
         block->near_squared = positive_square((double)frame->length);
@@ -120,6 +152,34 @@ static girih_result pack_rule(girih_frame_block *block, const girih_frame *frame
     }
 }
 
+// The unit vector of the vertical axis, and two perpendicular to it and to each other. Where the
+// axis is one of the world's, so are these, without rounding.
+static void pack_axis(girih_frame_block *block, const float up[3]) {
+    double axis[3] = {(double)up[0], (double)up[1], (double)up[2]};
+    if (axis[0] == 0.0 && axis[1] == 0.0 && axis[2] == 0.0) {
+        axis[1] = 1.0;
+    }
+    const double length = sqrt((axis[0] * axis[0] + axis[1] * axis[1]) + axis[2] * axis[2]);
+    // The world's axis that is least along it, made perpendicular to it, and their cross product.
+    int least = 0;
+    for (int n = 0; n < 3; ++n) {
+        axis[n] /= length;
+        least = fabs(axis[n]) < fabs(axis[least]) ? n : least;
+    }
+    const double across_length = sqrt(1.0 - axis[least] * axis[least]);
+    double across[3];
+    for (int n = 0; n < 3; ++n) {
+        across[n] = ((n == least ? 1.0 : 0.0) - axis[least] * axis[n]) / across_length;
+    }
+    for (int n = 0; n < 3; ++n) {
+        const int y = (n + 1) % 3;
+        const int z = (n + 2) % 3;
+        block->up[n] = (float)axis[n];
+        block->horizontal[0][n] = (float)across[n];
+        block->horizontal[1][n] = (float)(axis[y] * across[z] - axis[z] * across[y]);
+    }
+}
+
 static girih_result check_view(const girih_frame *frame, girih_error *error) {
     int finite = 1;
     for (int axis = 0; axis < 3; ++axis) {
@@ -127,6 +187,13 @@ static girih_result check_view(const girih_frame *frame, girih_error *error) {
     }
     if (!finite) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "frame: the eye is not finite");
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        finite = finite && isfinite(frame->up[axis]);
+    }
+    if (!finite || !isfinite(frame->lowest_slope) || !isfinite(frame->highest_slope)) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "frame: the vertical axis or a slope is not finite");
     }
     for (int plane = 0; plane < 6; ++plane) {
         for (int n = 0; n < 4; ++n) {
@@ -151,6 +218,7 @@ girih_result girih_pack_frame(girih_arrays *arrays, const girih_frame *frame, gi
     block.seed = 0;
     block.length_factor = 1.0f;
     block.near_squared = 1.0f;
+    memset(block.turns, 0, sizeof block.turns);
     result = pack_rule(&block, frame, error);
     if (result != GIRIH_OK) {
         return result;
@@ -158,6 +226,10 @@ girih_result girih_pack_frame(girih_arrays *arrays, const girih_frame *frame, gi
     memcpy(block.planes, frame->planes, sizeof block.planes);
     memcpy(block.eye, frame->eye, sizeof frame->eye);
     block.eye[3] = frame->orthographic ? 0.0f : 1.0f;
+    pack_axis(&block, frame->up);
+    block.cylindrical = frame->cylindrical ? 1 : 0;
+    block.lowest_slope = frame->lowest_slope;
+    block.highest_slope = frame->highest_slope;
     block.cull =
         (frame->cull_frustum ? GIRIH_CULL_FRUSTUM : 0u) | (frame->cull_back ? GIRIH_CULL_BACK : 0u);
     arrays->frame = block;

@@ -95,6 +95,7 @@ static girih_result need_pipelines(girih_plan *plan, girih_error *error) {
         {GIRIH_SHADER_levels, GIRIH_LEVELS_LENGTH << GIRIH_VARIANT_RULE_SHIFT, true},
         {GIRIH_SHADER_levels, GIRIH_LEVELS_OBJECT_LENGTH << GIRIH_VARIANT_RULE_SHIFT, true},
         {GIRIH_SHADER_levels, GIRIH_LEVELS_RANDOM_LEVEL << GIRIH_VARIANT_RULE_SHIFT, true},
+        {GIRIH_SHADER_levels, GIRIH_LEVELS_HORIZONTAL << GIRIH_VARIANT_RULE_SHIFT, true},
         {select, 0, true},
         {select, GIRIH_VARIANT_CULL, true},
         {serial ? GIRIH_SHADER_group_count_serial : GIRIH_SHADER_group_count_workgroup, 0, true},

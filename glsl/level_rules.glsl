@@ -49,8 +49,45 @@ uint girih_level_segments(uint level) {
     return girih_frame.linear_spacing != 0u ? level + 1u : 1u << level;
 }
 
+// A world-space point as seen from above, from the axis through the eye.
+vec2 girih_from_axis(vec3 p) {
+    precise vec3 from_eye = p - girih_frame.eye.xyz;
+    return vec2(girih_dot(girih_frame.horizontal[0].xyz, from_eye), girih_dot(girih_frame.horizontal[1].xyz, from_eye));
+}
+
+// Lorenz and Doellner 2008, section 5.2: an edge's horizontal length on the screen of a cylindrical projection, which
+// is the horizontal angle between its ends, from 0 to 180 degrees whichever way round it is seen; so there is no seam.
+//
+// Angle <= T where sin(T - angle) >= 0, and times the ends' distances that is sin T dot - cos T |cross|: no angle, root
+// or division is needed, nor any square, whose range coordinates could leave. What is nearer to the axis than
+// near_distance is not drawn, and what is farther of an edge is seen under no larger an angle than the edge's length
+// there: edges shorter than T near_distance reach T whatever their ends' angle is.
+uint girih_horizontal_level(vec3 p, vec3 q, out bool clamped) {
+    uint last = girih_frame.level_count - 1u;
+    vec2 a = girih_from_axis(p);
+    vec2 b = girih_from_axis(q);
+    // Alike for the edge from q to p: both products only change places, or the sign.
+    precise float cross_ = abs(a.x * b.y - a.y * b.x);
+    precise float dot_ = a.x * b.x + a.y * b.y;
+    precise vec2 along = b - a;
+    precise float square = along.x * along.x + along.y * along.y;
+    for (uint level = 0u;; ++level) {
+        float segments = float(girih_level_segments(level));
+        vec4 turns = girih_frame.turns[level >> 1];
+        vec2 turn = (level & 1u) == 0u ? turns.xy : turns.zw;
+        precise float reached = (segments * segments) * girih_frame.near_squared;
+        precise float less = cross_ * turn.x;
+        precise float more = dot_ * turn.y;
+        clamped = !(less <= more || square <= reached);
+        if (!clamped || level == last) {
+            return level;
+        }
+    }
+}
+
 // The level of the edge from p to q, mesh-space ends for the random rules and GIRIH_LEVELS_OBJECT_LENGTH, world-space
-// ends for GIRIH_LEVELS_LENGTH. `clamped`: it asked for more segments than the catalogue holds.
+// ends for GIRIH_LEVELS_LENGTH and GIRIH_LEVELS_HORIZONTAL. `clamped`: it asked for more segments than the catalogue
+// holds.
 uint girih_edge_level(uint rule, vec3 p, vec3 q, out bool clamped) {
     uint level = 0u;
     uint last = girih_frame.level_count - 1u;
@@ -70,6 +107,9 @@ uint girih_edge_level(uint rule, vec3 p, vec3 q, out bool clamped) {
         }
         clamped = girih_level_segments(level) < segments;
         return level;
+    }
+    if (rule == GIRIH_LEVELS_HORIZONTAL) {
+        return girih_horizontal_level(p, q, clamped);
     }
     precise float distance_squared = girih_frame.near_squared;
     if (rule == GIRIH_LEVELS_LENGTH && girih_frame.eye.w != 0.0) {

@@ -24,7 +24,7 @@ void main() {
     uvec2 points = GIRIH_AT_EDGE_POINTS(scene_edge);
     vec3 p = girih_point_position(points.x);
     vec3 q = girih_point_position(points.y);
-    if (rule == GIRIH_LEVELS_LENGTH) {
+    if (rule == GIRIH_LEVELS_LENGTH || rule == GIRIH_LEVELS_HORIZONTAL) {
         GirihTransform transform = girih_instance_transform(instance, 0u);
         p = girih_transform_point(transform, p);
         q = girih_transform_point(transform, q);

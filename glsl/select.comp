@@ -5,6 +5,42 @@
 #include "girih_permutation.h"
 #include "pn_edges.glsl"
 
+// Whether all of a box is above or below the picture of a cylindrical projection: the plane through a point of the
+// picture's border is a cone there. `world` is the box's centre; its height above the eye and its distance from the
+// axis are bounded by those of a box along the axis and the two horizontal vectors. All of it is above where even
+// least height > highest slope * distance, at the farthest distance where the slope is positive, else at the nearest;
+// in squares, so that no root is needed. Below is above upside down.
+bool outside_slopes(GirihTransform t, vec3 world, vec3 size, vec3 extent) {
+    precise vec3 from_eye = world - girih_frame.eye.xyz;
+    // Slack for the rounding of all that follows, as for the planes.
+    precise float slack = (girih_length_bound(size) + girih_length_bound(girih_frame.eye.xyz)) * 1e-5;
+    vec3 centre;
+    precise vec3 radius;
+    for (int n = 0; n < 3; ++n) {
+        vec3 axis = girih_frame.up.xyz;
+        if (n < 2) {
+            axis = girih_frame.horizontal[n].xyz;
+        }
+        precise vec3 normal = (t.row0.xyz * axis.x + t.row1.xyz * axis.y) + t.row2.xyz * axis.z;
+        centre[n] = girih_dot(axis, from_eye);
+        radius[n] = girih_dot(abs(normal), extent) + slack;
+    }
+    precise vec2 far = abs(centre.xy) + radius.xy;
+    precise vec2 near = max(abs(centre.xy) - radius.xy, vec2(0.0));
+    precise float far_squared = far.x * far.x + far.y * far.y;
+    precise float near_squared = near.x * near.x + near.y * near.y;
+    for (int n = 0; n < 2; ++n) {
+        float slope = n == 0 ? girih_frame.highest_slope : -girih_frame.lowest_slope;
+        precise float least = (n == 0 ? centre.z : -centre.z) - radius.z;
+        precise float square = least * least;
+        precise float bound = (slope * slope) * (slope > 0.0 ? far_squared : near_squared);
+        if (slope > 0.0 ? least > 0.0 && square > bound : least > 0.0 || square < bound) {
+            return true;
+        }
+    }
+    return false;
+}
+
 // Whether all of a triangle's patch is outside the frustum or faces away. The bounds are those of the
 // curved surface: a Bezier patch lies in the box of its control points, and its normal, the cross
 // product of its two derivatives, in a ball around the flat triangle's normal. A host's surface lies
@@ -36,6 +72,12 @@ bool culled(vec3 p[10], int count, uint instance, bool two_sided) {
             // Slack for the rounding of the test itself: culling may never open a hole.
             precise float slack = (radius + girih_length_bound(plane) * girih_length_bound(size)) * 1e-5;
             if (distance + (radius + slack) < 0.0) {
+                return true;
+            }
+        }
+        // No turn or one: a CPU device would run a branch's body in any case.
+        for (uint turn = 0u; turn < girih_frame.cylindrical; ++turn) {
+            if (outside_slopes(t, world, size, extent)) {
                 return true;
             }
         }

@@ -158,6 +158,9 @@
 #define GIRIH_LEVELS_LENGTH 2u          // world length against the distance to the eye
 #define GIRIH_LEVELS_OBJECT_LENGTH 3u   // mesh-space length
 #define GIRIH_LEVELS_RANDOM_LEVEL 4u    // the number drawn below random_segments is the level itself
+#define GIRIH_LEVELS_HORIZONTAL 5u      // horizontal angle at the eye
+
+#define GIRIH_MAX_LEVELS 256u           // of a catalogue: catalogue.c opens no larger one
 
 #define GIRIH_CULL_FRUSTUM 1u
 #define GIRIH_CULL_BACK 2u
@@ -167,6 +170,9 @@
 #define GIRIH_FRAME_BLOCK(VEC4, UVEC4, UINT, FLOAT) \
     VEC4 planes[6];          /* world, inside where n.p + d >= 0 */ \
     VEC4 eye;                /* w = 1: the eye; w = 0: the direction towards the viewer */ \
+    VEC4 horizontal[2];      /* two unit vectors perpendicular to up and to each other: x and y of the plan */ \
+    VEC4 up;                 /* unit vector of the vertical axis */ \
+    VEC4 turns[GIRIH_MAX_LEVELS / 2u]; /* cosine and sine of the angle that each level reaches, two levels to a vector */ \
     UVEC4 bases[8];          /* first word of each binding's array, where arrays share a buffer */ \
     UVEC4 only_instance[15]; /* the record of the first instance, for plans that have no other */ \
     UINT rule; \
@@ -206,6 +212,9 @@
     UINT variant;            /* GIRIH_VARIANT_*, for shaders that are not specialized */ \
     UINT first_index;        /* of the catalogue's indices in the buffer that draws bind */ \
     UINT first_list_index;   /* of OUT_INDICES in the buffer that draws bind */ \
+    UINT cylindrical;        /* 1: the frustum is also bounded by slopes */ \
+    FLOAT lowest_slope;      /* height above the eye over distance from the axis */ \
+    FLOAT highest_slope; \
     FLOAT reach;             /* mesh units: how far the surface strays from its control points' box */
 
 // What differs between the dispatches of one frame.

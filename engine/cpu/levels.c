@@ -89,6 +89,60 @@ static uint32_t length_level(const girih_arrays *arrays, uint32_t instance, uint
     }
 }
 
+// A world-space point as seen from above, from the axis through the eye.
+typedef struct plan_point {
+    float x, y;
+} plan_point;
+
+static plan_point from_axis(const girih_frame_block *frame, girih_vector p) {
+    const girih_vector eye = {frame->eye[0], frame->eye[1], frame->eye[2]};
+    const girih_vector from_eye = girih_subtract(p, eye);
+    const float *x = frame->horizontal[0];
+    const float *y = frame->horizontal[1];
+    return (plan_point){girih_dot((girih_vector){x[0], x[1], x[2]}, from_eye),
+                        girih_dot((girih_vector){y[0], y[1], y[2]}, from_eye)};
+}
+
+// Why the tests hold is told in the shader.
+static uint32_t horizontal_level(const girih_arrays *arrays, uint32_t instance, uint32_t p,
+                                 uint32_t q, bool *clamped) {
+    const girih_frame_block *frame = &arrays->frame;
+    const girih_transform transform = girih_instance_transform(arrays, instance);
+    const plan_point a =
+        from_axis(frame, girih_transform_point(&transform, girih_vertex_position(arrays, p)));
+    const plan_point b =
+        from_axis(frame, girih_transform_point(&transform, girih_vertex_position(arrays, q)));
+    const float cross = fabsf(a.x * b.y - a.y * b.x);
+    const float dot = a.x * b.x + a.y * b.y;
+    const plan_point along = {b.x - a.x, b.y - a.y};
+    const float square = along.x * along.x + along.y * along.y;
+    const uint32_t last = frame->level_count - 1;
+    for (uint32_t level = 0;; ++level) {
+        const float segments = (float)level_segments(frame, level);
+        const float *turn = frame->turns[level / 2] + 2 * (level % 2);
+        const float reached = (segments * segments) * frame->near_squared;
+        const float less = cross * turn[0];
+        const float more = dot * turn[1];
+        *clamped = !(less <= more || square <= reached);
+        if (!*clamped || level == last) {
+            return level;
+        }
+    }
+}
+
+static uint32_t edge_level(const girih_arrays *arrays, uint32_t instance, uint32_t a, uint32_t b,
+                           bool *clamped) {
+    switch (arrays->frame.rule) {
+    case GIRIH_LEVELS_RANDOM:
+    case GIRIH_LEVELS_RANDOM_LEVEL:
+        return random_level(arrays, a, b, clamped);
+    case GIRIH_LEVELS_HORIZONTAL:
+        return horizontal_level(arrays, instance, a, b, clamped);
+    default:
+        return length_level(arrays, instance, a, b, clamped);
+    }
+}
+
 void girih_twin_levels(girih_arrays *arrays) {
     const girih_frame_block *frame = &arrays->frame;
     uint32_t *status = arrays->words[GIRIH_BIND_STATUS];
@@ -106,10 +160,7 @@ void girih_twin_levels(girih_arrays *arrays) {
             edge - girih_instance_word(arrays, instance, GIRIH_INSTANCE_EDGE_DELTA);
         const uint32_t *points = arrays->words[GIRIH_BIND_EDGE_POINTS] + 2 * (size_t)scene_edge;
         bool clamped = false;
-        levels[edge] =
-            frame->rule == GIRIH_LEVELS_RANDOM || frame->rule == GIRIH_LEVELS_RANDOM_LEVEL
-                ? random_level(arrays, points[0], points[1], &clamped)
-                : length_level(arrays, instance, points[0], points[1], &clamped);
+        levels[edge] = edge_level(arrays, instance, points[0], points[1], &clamped);
         if (clamped) {
             ++status[GIRIH_STATUS_CLAMPED];
         }

@@ -9,6 +9,40 @@
 #define CORNERS 3
 #define CONTROL_POINTS 10
 
+// Whether all of a box is above or below the picture of a cylindrical projection.
+static bool outside_slopes(const girih_frame_block *frame, const girih_transform *t,
+                           girih_vector world, girih_vector size, girih_vector extent) {
+    const girih_vector eye = {frame->eye[0], frame->eye[1], frame->eye[2]};
+    const girih_vector from_eye = girih_subtract(world, eye);
+    const float slack = (girih_length_bound(size) + girih_length_bound(eye)) * 1e-5f;
+    float centre[3];
+    float radius[3];
+    for (int n = 0; n < 3; ++n) {
+        const float *words = n < 2 ? frame->horizontal[n] : frame->up;
+        const girih_vector axis = {words[0], words[1], words[2]};
+        const girih_vector normal =
+            girih_add(girih_add(girih_scale(t->row[0], axis.x), girih_scale(t->row[1], axis.y)),
+                      girih_scale(t->row[2], axis.z));
+        centre[n] = girih_dot(axis, from_eye);
+        radius[n] = girih_dot(girih_absolute(normal), extent) + slack;
+    }
+    const float far[2] = {fabsf(centre[0]) + radius[0], fabsf(centre[1]) + radius[1]};
+    const float near[2] = {girih_max(fabsf(centre[0]) - radius[0], 0.0f),
+                           girih_max(fabsf(centre[1]) - radius[1], 0.0f)};
+    const float far_squared = far[0] * far[0] + far[1] * far[1];
+    const float near_squared = near[0] * near[0] + near[1] * near[1];
+    for (int n = 0; n < 2; ++n) {
+        const float slope = n == 0 ? frame->highest_slope : -frame->lowest_slope;
+        const float least = (n == 0 ? centre[2] : -centre[2]) - radius[2];
+        const float square = least * least;
+        const float bound = (slope * slope) * (slope > 0.0f ? far_squared : near_squared);
+        if (slope > 0.0f ? least > 0.0f && square > bound : least > 0.0f || square < bound) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static bool outside_frustum(const girih_frame_block *frame, const girih_vector *p, int count,
                             const girih_transform *t) {
     girih_vector low = p[0];
@@ -41,7 +75,7 @@ static bool outside_frustum(const girih_frame_block *frame, const girih_vector *
             return true;
         }
     }
-    return false;
+    return frame->cylindrical != 0 && outside_slopes(frame, t, world, size, extent);
 }
 
 static bool faces_away(const girih_frame_block *frame, const girih_vector *p, int count,

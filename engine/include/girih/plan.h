@@ -94,6 +94,9 @@ typedef enum girih_level_rule {
     GIRIH_LEVEL_EDGE_LENGTH = 3,  // `length` mesh units a segment
     GIRIH_LEVEL_RANDOM_LEVEL = 4, // catalogue level 0..segments per edge, from the same hash: the
                                   // measure of ARKFPI's Table 3
+    GIRIH_LEVEL_HORIZONTAL_PIXELS = 5, // `length` pixels a segment across the picture of a
+                                       // cylindrical projection: its horizontal length on the
+                                       // screen, of Lorenz and Doellner 2008, section 5.2
 } girih_level_rule;
 
 // One view of one frame. {0}: every edge one segment, nothing culled.
@@ -105,7 +108,9 @@ typedef struct girih_frame {
     float pixels_per_unit; // GIRIH_LEVEL_EDGE_PIXELS: pixels that one unit covers at distance 1
                            // (perspective: resolution_y / (2 tan(fov_y / 2))) or anywhere
                            // (orthographic)
-    float near_distance;   // perspective: nearer edges count as at this distance; > 0
+    float near_distance;   // perspective: nearer edges count as at this distance; > 0.
+                           // GIRIH_LEVEL_HORIZONTAL_PIXELS: of the axis; no edge counts as longer
+                           // than it would be, seen sideways, at this distance
     float eye[3];          // world; orthographic: the direction towards the viewer
     int orthographic;
     int cull_frustum;   // against planes
@@ -117,6 +122,15 @@ typedef struct girih_frame {
     // A number of the host's that changes whenever something that girih cannot see has changed: the
     // vertices of a dynamic scene, or what an own surface reads. See girih_cmd_refine.
     uint64_t revision;
+    // A cylindrical projection: the axis goes through the eye along `up`; across the picture goes
+    // the angle around it, up the picture the slope, height above the eye over distance from the
+    // axis. panorama.glsl draws it. Sides closer together than 180 degrees are two of the planes;
+    // farther apart they cull nothing. cull_back is as in perspective.
+    int cylindrical;         // not 0: cull_frustum culls against the slopes too
+    float up[3];             // world, any length; {0, 0, 0}: the world's y axis
+    float pixels_per_radian; // GIRIH_LEVEL_HORIZONTAL_PIXELS: width / angle of view; > 0
+    float lowest_slope;      // at the picture's lower and upper border: the tangents of their
+    float highest_slope;     // angles above the horizon
 } girih_frame;
 
 // --- Plan: one frame in flight ------------------------------------------------------------------
