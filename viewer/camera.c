@@ -334,10 +334,140 @@ static void fill_view(girih_view *view, const camera *c, double aspect, uint32_t
     view->pixels_per_unit = (float)((double)height / (2.0 * c->half_height));
 }
 
+// Perspective or, from a file, orthographic.
+static void fill_perspective(girih_view *view, const girih_camera_options *options,
+                             const girih_model *model, const points *set, uint32_t width,
+                             uint32_t height) {
+    camera c = {0};
+    double aspect = (double)width / (double)height;
+    if (options->has_index) {
+        use_file_camera(&c, &model->contents->cameras[options->index]);
+    } else {
+        use_options(&c, options, set, aspect);
+    }
+    if (!(c.far > 0.0)) {
+        double near = c.near;
+        find_depth(&c, set);
+        c.near = options->has_index ? near : c.near;
+        c.far = c.far > c.near ? c.far : 2.0 * c.near;
+    }
+    fill_view(view, &c, aspect, height);
+}
+
+// Where a camera in a cylindrical projection stands, and what it looks at; look 0: nothing in
+// particular.
+static void stand_in_cylinder(const girih_camera_options *options, const girih_model *model,
+                              const points *set, double eye[3], double look[3], bool *is_aimed) {
+    *is_aimed = options->has_index || options->has_focal_point;
+    if (options->has_index) {
+        const float *t = model->contents->cameras[options->index].transform;
+        for (int n = 0; n < 3; n++) {
+            eye[n] = t[4 * n + 3];
+            look[n] = -t[4 * n + 2];
+        }
+        return;
+    }
+    double axes[6][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
+    double reaches[6];
+    reach(set, axes, 6, reaches);
+    for (int n = 0; n < 3; n++) {
+        double middle = (reaches[n] - reaches[3 + n]) / 2.0;
+        eye[n] = options->has_position ? (double)options->position[n] : middle;
+        look[n] = (options->has_focal_point ? (double)options->focal_point[n] : middle) - eye[n];
+    }
+}
+
+// The farthest that a point can be from the axis, by a box along right and back.
+static double farthest_from_axis(const camera *c, const points *set) {
+    double sides[4][3];
+    for (int n = 0; n < 3; n++) {
+        sides[0][n] = c->right[n];
+        sides[1][n] = -c->right[n];
+        sides[2][n] = c->back[n];
+        sides[3][n] = -c->back[n];
+    }
+    double reaches[4];
+    reach(set, sides, 4, reaches);
+    double square = 0.0;
+    for (int n = 0; n < 2; n++) {
+        double along = dot(sides[2 * n], c->eye);
+        double most = fmax(fabs(reaches[2 * n] - along), fabs(reaches[2 * n + 1] + along));
+        square += most * most;
+    }
+    return sqrt(square);
+}
+
+static girih_result fill_cylinder(girih_view *view, const girih_camera_options *options,
+                                  const girih_model *model, const points *set, uint32_t width,
+                                  uint32_t height, girih_error *error) {
+    camera c = {0};
+    double look[3];
+    bool is_aimed;
+    stand_in_cylinder(options, model, set, c.eye, look, &is_aimed);
+    for (int n = 0; n < 3; n++) {
+        c.up[n] = options->view_up[n];
+    }
+    normalize(c.up);
+    double rise = dot(look, c.up);
+    for (int n = 0; n < 3; n++) {
+        c.back[n] = rise * c.up[n] - look[n];
+    }
+    double away = sqrt(dot(c.back, c.back));
+    if (!(away > 1e-6 * fabs(rise)) || !isfinite(away)) {
+        if (is_aimed) {
+            return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
+                              "the camera looks along its upward axis, where a cylinder has no "
+                              "picture: set another focal point");
+        }
+        c.back[2] = 1.0;
+    }
+    normalize(c.back);
+    // To the right, whatever is left of the axis in back; then back without it.
+    double axis[3] = {c.up[0], c.up[1], c.up[2]};
+    complete_basis(&c, options->view_up);
+    memcpy(c.up, axis, sizeof c.up);
+    cross(c.right, c.up, c.back);
+    view->cylindrical = true;
+    view->view_angle = (double)options->view_angle * (pi / 180.0);
+    double middle = is_aimed ? rise / away : 0.0;
+    double half = view->view_angle * 0.5 * (double)height / (double)width;
+    view->slopes[0] = (float)(middle - half);
+    view->slopes[1] = (float)(middle + half);
+    view->pixels_per_unit = (float)((double)width / view->view_angle);
+    // A quarter more, for surfaces that bulge out of their points' box.
+    c.far = 1.25 * farthest_from_axis(&c, set);
+    c.far = c.far > 0.0 ? c.far : 1.0;
+    c.near = 1e-4 * c.far;
+    view->near_distance = (float)c.near;
+    view->depth[0] = (float)(-c.near / (c.far - c.near));
+    view->depth[1] = (float)(c.near * c.far / (c.far - c.near));
+    for (int n = 0; n < 3; n++) {
+        view->eye[n] = (float)c.eye[n];
+        view->right[n] = (float)c.right[n];
+        view->up[n] = (float)c.up[n];
+        view->back[n] = (float)c.back[n];
+    }
+    // The two sides, where they bound a wedge.
+    double cosine = cos(view->view_angle / 2.0);
+    double sine = sin(view->view_angle / 2.0);
+    for (int side = 0; side < 2 && view->view_angle < pi; side++) {
+        double normal[3];
+        for (int n = 0; n < 3; n++) {
+            normal[n] = (side == 0 ? cosine : -cosine) * c.right[n] - sine * c.back[n];
+            view->planes[side][n] = (float)normal[n];
+        }
+        view->planes[side][3] = (float)-dot(normal, c.eye);
+    }
+    return GIRIH_OK;
+}
+
 static bool view_is_finite(const girih_view *view) {
     bool is_finite = isfinite(view->near_distance) && isfinite(view->pixels_per_unit) &&
                      view->pixels_per_unit > 0.0f &&
                      (view->orthographic || view->near_distance > 0.0f);
+    for (int n = 0; n < 2; n++) {
+        is_finite &= isfinite(view->slopes[n]) && isfinite(view->depth[n]);
+    }
     for (int n = 0; n < 16; n++) {
         is_finite &= isfinite(view->view_projection[n / 4][n % 4]) != 0;
     }
@@ -349,26 +479,19 @@ girih_result girih_view_create(girih_view *view, const girih_camera_options *opt
                                uint32_t instance_count, uint32_t width, uint32_t height,
                                girih_error *error) {
     points set = {model, instances, instance_count};
-    camera c = {0};
-    double aspect = (double)width / (double)height;
     *view = (girih_view){0};
-    if (options->has_index) {
-        const girih_gltf_contents *contents = model->contents;
-        if (options->index >= contents->camera_count) {
-            return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "no camera %u: the file has %u",
-                              options->index, contents->camera_count);
+    if (options->has_index && options->index >= model->contents->camera_count) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "no camera %u: the file has %u",
+                          options->index, model->contents->camera_count);
+    }
+    if (options->cylindrical) {
+        girih_result result = fill_cylinder(view, options, model, &set, width, height, error);
+        if (result != GIRIH_OK) {
+            return result;
         }
-        use_file_camera(&c, &contents->cameras[options->index]);
     } else {
-        use_options(&c, options, &set, aspect);
+        fill_perspective(view, options, model, &set, width, height);
     }
-    if (!(c.far > 0.0)) {
-        double near = c.near;
-        find_depth(&c, &set);
-        c.near = options->has_index ? near : c.near;
-        c.far = c.far > c.near ? c.far : 2.0 * c.near;
-    }
-    fill_view(view, &c, aspect, height);
     if (!view_is_finite(view)) {
         return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
                           "the camera cannot see a model of this size or place: set another one");

@@ -13,7 +13,13 @@ typedef struct girih_view {
     bool orthographic;
     float near_distance;
     float pixels_per_unit;
-    float planes[6][4]; // inside where n·p + d >= 0
+    float planes[6][4]; // inside where n·p + d >= 0; those that are not used are 0
+    // The cylindrical projection: up is the axis, back is horizontal, near_distance is from the
+    // axis, and pixels_per_unit are also those of a radian across.
+    bool cylindrical;
+    double view_angle; // radians, horizontal
+    float slopes[2];   // lowest and highest
+    float depth[2];    // GirihPanorama.depth
 } girih_view;
 
 // The view of a model's instances in a picture, or a part of one, of width x height pixels. Without

@@ -82,6 +82,15 @@ girih_frame girih_frame_from_options(const girih_level_options *levels, const gi
         memcpy(frame.eye, view->eye, sizeof frame.eye);
         frame.orthographic = view->orthographic;
         memcpy(frame.planes, view->planes, sizeof frame.planes);
+        if (view->cylindrical) {
+            frame.rule = levels->rule == GIRIH_LEVEL_EDGE_PIXELS ? GIRIH_LEVEL_HORIZONTAL_PIXELS
+                                                                 : levels->rule;
+            frame.cylindrical = 1;
+            memcpy(frame.up, view->up, sizeof frame.up);
+            frame.pixels_per_radian = view->pixels_per_unit;
+            frame.lowest_slope = view->slopes[0];
+            frame.highest_slope = view->slopes[1];
+        }
     }
     return frame;
 }

@@ -16,6 +16,7 @@ enum {
     KEY_HEIGHT_ZERO,
     KEY_CREASE,
     KEY_CATALOGUE,
+    KEY_PROJECTION,
     KEY_CAMERA_POSITION,
     KEY_CAMERA_FOCAL_POINT,
     KEY_CAMERA_VIEW_UP,
@@ -175,7 +176,8 @@ static const struct argp_option level_options[] = {
     {NULL, 0, NULL, 0, "How fine (one of these; without, --edge-pixels 8):", 1},
     {"segments", KEY_SEGMENTS, "N", 0,
      "Every edge in N segments; random:SEED:MAX: in 1 to MAX, by a hash of its ends", 1},
-    {"edge-pixels", KEY_EDGE_PIXELS, "P", 0, "Segments of about P pixels on the screen", 1},
+    {"edge-pixels", KEY_EDGE_PIXELS, "P", 0,
+     "Segments of about P pixels on the screen; of a cylinder, across it", 1},
     {"edge-length", KEY_EDGE_LENGTH, "L", 0,
      "Segments of length L at most, in the mesh's own units", 1},
     END_OF_OPTIONS};
@@ -302,10 +304,19 @@ static void read_resolution(struct argp_state *state, const char *text,
     options->height = girih_option_count(state, "resolution", comma + 1, 1, 32768);
 }
 
-static void check_camera(struct argp_state *state, const girih_camera_options *options) {
-    if (options->has_index && (options->has_position || options->has_focal_point ||
-                               options->has_view_up || options->has_view_angle)) {
+static void check_camera(struct argp_state *state, girih_camera_options *options) {
+    // A camera of a file says where it stands and looks to; a panorama's angle is none of its own.
+    if (options->has_index &&
+        (options->has_position || options->has_focal_point || options->has_view_up ||
+         (options->has_view_angle && !options->cylindrical))) {
         argp_error(state, "--camera-index: a camera of the file takes no other --camera option");
+    }
+    float widest = options->cylindrical ? 360.0f : 175.0f;
+    if (!options->has_view_angle) {
+        options->view_angle = options->cylindrical ? 360.0f : 30.0f;
+    } else if (!(options->view_angle >= 0.01f && options->view_angle <= widest)) {
+        argp_error(state, "--camera-view-angle: %g is not from 0.01 to %g",
+                   (double)options->view_angle, (double)widest);
     }
     if (options->has_position && options->has_focal_point &&
         memcmp(options->position, options->focal_point, sizeof options->position) == 0) {
@@ -318,7 +329,13 @@ static error_t parse_camera(int key, char *argument, struct argp_state *state) {
     switch (key) {
     case ARGP_KEY_INIT:
         *options = (girih_camera_options){
-            .view_up = {0.0f, 1.0f, 0.0f}, .view_angle = 30.0f, .width = 1000, .height = 600};
+            .view_up = {0.0f, 1.0f, 0.0f}, .width = 1000, .height = 600};
+        return 0;
+    case KEY_PROJECTION:
+        options->cylindrical = strcmp(argument, "cylinder") == 0;
+        if (!options->cylindrical && strcmp(argument, "perspective") != 0) {
+            argp_error(state, "--projection: '%s' is neither perspective nor cylinder", argument);
+        }
         return 0;
     case KEY_CAMERA_POSITION:
         girih_option_vector(state, "camera-position", argument, options->position);
@@ -339,9 +356,6 @@ static error_t parse_camera(int key, char *argument, struct argp_state *state) {
     case KEY_CAMERA_VIEW_ANGLE:
         options->view_angle = girih_option_number(state, "camera-view-angle", argument);
         options->has_view_angle = true;
-        if (!(options->view_angle >= 0.01f && options->view_angle <= 175.0f)) {
-            argp_error(state, "--camera-view-angle: '%s' is not from 0.01 to 175", argument);
-        }
         return 0;
     case KEY_CAMERA_INDEX:
         options->index = girih_option_count(state, "camera-index", argument, 0, UINT32_MAX);
@@ -355,10 +369,17 @@ static error_t parse_camera(int key, char *argument, struct argp_state *state) {
 
 static const struct argp_option camera_options[] = {
     {NULL, 0, NULL, 0, "Camera (without, one that frames the model):", 3},
+    {"projection", KEY_PROJECTION, "perspective|cylinder", 0,
+     "cylinder: a panorama, the angle around the upward axis across the picture; up the picture it "
+     "is perspective, as high as makes pixels on the horizon square, and moved so that the middle "
+     "row shows the focal point's height. --edge-pixels then counts pixels across alone. Without a "
+     "position it stands in the middle of the model",
+     3},
     {"camera-position", KEY_CAMERA_POSITION, "X,Y,Z", 0, "Where it stands", 3},
     {"camera-focal-point", KEY_CAMERA_FOCAL_POINT, "X,Y,Z", 0, "What it looks at", 3},
     {"camera-view-up", KEY_CAMERA_VIEW_UP, "X,Y,Z", 0, "What is up (0,1,0)", 3},
-    {"camera-view-angle", KEY_CAMERA_VIEW_ANGLE, "DEGREES", 0, "Vertical view angle (30)", 3},
+    {"camera-view-angle", KEY_CAMERA_VIEW_ANGLE, "DEGREES", 0,
+     "Vertical view angle (30); of a cylinder the horizontal one, up to 360 (360)", 3},
     {"camera-index", KEY_CAMERA_INDEX, "N", 0, "Camera N of the file, from 0", 3},
     {"resolution", KEY_RESOLUTION, "W,H", 0, "Size of the picture (1000,600)", 3},
     END_OF_OPTIONS};

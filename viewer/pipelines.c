@@ -103,17 +103,18 @@ static VkPipelineColorBlendAttachmentState blend_state(const girih_pipeline_key 
 static girih_result create_pipeline(const girih_pipelines *pipelines, const girih_pipeline_key *key,
                                     const girih_plan *plan, const VkShaderModule modules[2],
                                     VkPipeline *pipeline, girih_error *error) {
-    VkBool32 switches[6] = {key->has_base_color_map,
+    VkBool32 switches[7] = {key->has_base_color_map,
                             key->has_color,
                             key->alpha_mode == GIRIH_GLTF_ALPHA_MASK,
                             key->alpha_mode == GIRIH_GLTF_ALPHA_BLEND,
                             key->line,
-                            key->has_normal_map};
-    VkSpecializationMapEntry entries[6];
-    for (uint32_t n = 0; n < 6; n++) {
+                            key->has_normal_map,
+                            pipelines->cylindrical};
+    VkSpecializationMapEntry entries[7];
+    for (uint32_t n = 0; n < 7; n++) {
         entries[n] = (VkSpecializationMapEntry){n, 4 * n, 4};
     }
-    VkSpecializationInfo specialization = {6, entries, sizeof switches, switches};
+    VkSpecializationInfo specialization = {7, entries, sizeof switches, switches};
     VkPipelineShaderStageCreateInfo stages[2];
     for (int n = 0; n < 2; n++) {
         stages[n] = (VkPipelineShaderStageCreateInfo){

@@ -17,6 +17,11 @@ typedef struct girih_picture_block {
     uint32_t texcoord_float;
     uint32_t texcoord_floats;
     uint32_t color_float;
+    uint32_t padding[2];
+    float panorama_forward[4];
+    float panorama_right[4];
+    float panorama_up[4];
+    float panorama_slopes_depth[4];
 } girih_picture_block;
 
 // shaders/picture.glsl: the push constants.
@@ -53,6 +58,7 @@ typedef struct girih_pipelines {
     VkRenderPass pass;
     VkPipelineLayout layout;
     VkSampleCountFlagBits samples;
+    bool cylindrical;
     const girih_own_surface *own; // of GIRIH_SURFACE_OWN
     uint32_t attribute_floats, texcoord_float, texcoord_floats, color_float;
     uint32_t count;

@@ -336,6 +336,7 @@ static girih_result draw(session *s, girih_error *error) {
         .view = &s->view,
         .width = options->camera.width,
         .height = options->camera.height,
+        .drawing_width = s->drawings[0].width,
         .shade = options->shade,
         .wireframe = options->wireframe,
         .has_back_face_color = options->has_back_face_color,

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "error.h"
+#include "panorama.h"
 #include "pipelines.h"
 #include "textures.h"
 
@@ -18,6 +19,8 @@ struct girih_renderer {
     VkFormat depth_format;
     VkFramebuffer framebuffer;
     girih_device_buffer picture_block, range_colors, readback;
+    uint32_t slice_count;  // a panorama's; else the one that is all of the picture
+    uint32_t block_stride; // bytes from one slice's picture_block to the next one's
     VkDescriptorSetLayout picture_layout, material_layout;
     VkDescriptorPool descriptors;
     VkDescriptorSet picture_set;
@@ -219,6 +222,44 @@ static void combine(float to[4], const girih_view *view, float right, float up, 
     to[3] = 0.0f;
 }
 
+// The columns of a drawing that slice n takes.
+static girih_panorama_slice find_slice(const girih_renderer *renderer, uint32_t n,
+                                       uint32_t drawing_width) {
+    if (!renderer->desc.view->cylindrical) {
+        return (girih_panorama_slice){.width = drawing_width};
+    }
+    return girih_panorama_slice_get(n, drawing_width, renderer->desc.view->view_angle);
+}
+
+static void fill_panorama(girih_picture_block *block, const girih_view *view,
+                          const girih_panorama_slice *slice) {
+    double cosine = cos(slice->middle);
+    double sine = sin(slice->middle);
+    for (int n = 0; n < 3; n++) {
+        double right = view->right[n];
+        double back = view->back[n];
+        block->panorama_forward[n] = (float)(sine * right - cosine * back);
+        block->panorama_right[n] = (float)(cosine * right + sine * back);
+        block->panorama_up[n] = view->up[n];
+    }
+    block->panorama_forward[3] = (float)slice->half_angle;
+    memcpy(block->panorama_slopes_depth, view->slopes, sizeof view->slopes);
+    memcpy(block->panorama_slopes_depth + 2, view->depth, sizeof view->depth);
+}
+
+// Drawings side by side are equally wide, so they share the blocks of their slices.
+static void write_picture_blocks(girih_renderer *renderer, girih_picture_block *block) {
+    const girih_renderer_desc *desc = &renderer->desc;
+    for (uint32_t n = 0; n < renderer->slice_count; n++) {
+        if (desc->view->cylindrical) {
+            girih_panorama_slice slice = find_slice(renderer, n, desc->drawing_width);
+            fill_panorama(block, desc->view, &slice);
+        }
+        memcpy((char *)renderer->picture_block.mapped + (size_t)n * renderer->block_stride, block,
+               sizeof *block);
+    }
+}
+
 static girih_result fill_buffers(girih_renderer *renderer, girih_error *error) {
     const girih_renderer_desc *desc = &renderer->desc;
     uint32_t range_count = fill_range_colors(desc->catalogue, desc->shade, NULL);
@@ -227,8 +268,15 @@ static girih_result fill_buffers(girih_renderer *renderer, girih_error *error) {
         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, GIRIH_MEMORY_UPLOAD, error);
     if (result == GIRIH_OK) {
         fill_range_colors(desc->catalogue, desc->shade, renderer->range_colors.mapped);
+        uint32_t alignment =
+            (uint32_t)renderer->device->properties.limits.minUniformBufferOffsetAlignment;
+        renderer->block_stride =
+            ((uint32_t)sizeof(girih_picture_block) + alignment - 1) / alignment * alignment;
+        renderer->slice_count =
+            desc->view->cylindrical ? girih_panorama_slice_count(desc->view->view_angle) : 1;
         result = girih_device_buffer_create(
-            renderer->device, &renderer->picture_block, sizeof(girih_picture_block),
+            renderer->device, &renderer->picture_block,
+            (VkDeviceSize)renderer->slice_count * renderer->block_stride,
             VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, GIRIH_MEMORY_UPLOAD, error);
     }
     if (result == GIRIH_OK) {
@@ -249,7 +297,7 @@ static girih_result fill_buffers(girih_renderer *renderer, girih_error *error) {
             memcpy(block.back_face, desc->back_face_color, sizeof desc->back_face_color);
             block.back_face[3] = 1.0f;
         }
-        memcpy(renderer->picture_block.mapped, &block, sizeof block);
+        write_picture_blocks(renderer, &block);
         result = girih_device_buffer_create(
             renderer->device, &renderer->readback, (VkDeviceSize)desc->width * desc->height * 4,
             VK_BUFFER_USAGE_TRANSFER_DST_BIT, GIRIH_MEMORY_READBACK, error);
@@ -261,7 +309,7 @@ static girih_result create_layouts(girih_renderer *renderer, girih_error *error)
     VkDevice device = renderer->device->device;
     VkShaderStageFlags both = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
     VkDescriptorSetLayoutBinding picture[2] = {
-        {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, both, NULL},
+        {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1, both, NULL},
         {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, NULL},
     };
     VkDescriptorSetLayoutBinding material[2] = {
@@ -310,7 +358,7 @@ static girih_result create_sets(girih_renderer *renderer, girih_error *error) {
     VkDevice device = renderer->device->device;
     uint32_t material_count = renderer->desc.model->material_count;
     VkDescriptorPoolSize sizes[3] = {
-        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1},
+        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1},
         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1},
         {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 2 * material_count}};
     VkDescriptorPoolCreateInfo pool = {
@@ -341,8 +389,9 @@ static girih_result create_sets(girih_renderer *renderer, girih_error *error) {
     if (result != VK_SUCCESS) {
         return girih_vulkan_failure(error, "vkAllocateDescriptorSets", result);
     }
-    VkDescriptorBufferInfo buffers[2] = {{renderer->picture_block.buffer, 0, VK_WHOLE_SIZE},
-                                         {renderer->range_colors.buffer, 0, VK_WHOLE_SIZE}};
+    VkDescriptorBufferInfo buffers[2] = {
+        {renderer->picture_block.buffer, 0, sizeof(girih_picture_block)},
+        {renderer->range_colors.buffer, 0, VK_WHOLE_SIZE}};
     VkWriteDescriptorSet write = {
         .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
         .dstSet = renderer->picture_set,
@@ -351,7 +400,7 @@ static girih_result create_sets(girih_renderer *renderer, girih_error *error) {
     for (uint32_t n = 0; n < 2; n++) {
         write.dstBinding = n;
         write.descriptorType =
-            n == 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+            n == 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
         write.pBufferInfo = &buffers[n];
         vkUpdateDescriptorSets(device, 1, &write, 0, NULL);
     }
@@ -390,6 +439,7 @@ girih_result girih_renderer_create(const girih_renderer_desc *desc, girih_render
     made->device = desc->device;
     made->pipelines.device = desc->device->device;
     made->pipelines.own = desc->own;
+    made->pipelines.cylindrical = desc->view->cylindrical;
     made->pipelines.attribute_floats = desc->model->attribute_floats;
     made->pipelines.texcoord_float = desc->model->texcoord_float;
     made->pipelines.texcoord_floats = desc->model->texcoord_floats;
@@ -481,7 +531,7 @@ static girih_material_block material_block(const girih_gltf_material *material) 
 }
 
 static girih_result draw_material(girih_renderer *renderer, const girih_drawing *drawing,
-                                  uint32_t number, VkCullModeFlags cull, bool line,
+                                  uint32_t slice, uint32_t number, VkCullModeFlags cull, bool line,
                                   girih_error *error) {
     bool shows_back_faces = renderer->desc.has_back_face_color && cull == VK_CULL_MODE_FRONT_BIT;
     const girih_model *model = renderer->desc.model;
@@ -507,8 +557,9 @@ static girih_result draw_material(girih_renderer *renderer, const girih_drawing 
     }
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
     VkDescriptorSet sets[2] = {renderer->picture_set, renderer->material_sets[number]};
+    uint32_t block_offset = slice * renderer->block_stride;
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, renderer->pipelines.layout,
-                            GIRIH_SET_PICTURE, 2, sets, 0, NULL);
+                            GIRIH_SET_PICTURE, 2, sets, 1, &block_offset);
     girih_material_block block = material_block(material);
     vkCmdPushConstants(commands, renderer->pipelines.layout,
                        VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof block,
@@ -546,7 +597,7 @@ static void set_viewport(const girih_renderer *renderer, uint32_t x, uint32_t wi
 // Opaque materials, then blended ones, each of these with its far side first; lines over all. Back
 // faces in a colour of their own are always a drawing of their own.
 static girih_result draw_materials(girih_renderer *renderer, const girih_drawing *drawing,
-                                   girih_error *error) {
+                                   uint32_t slice, girih_error *error) {
     const girih_model *model = renderer->desc.model;
     girih_result result = GIRIH_OK;
     for (int layer = 0; layer < (renderer->desc.wireframe ? 3 : 2); layer++) {
@@ -557,15 +608,15 @@ static girih_result draw_materials(girih_renderer *renderer, const girih_drawing
                 renderer->desc.has_back_face_color || (material != NULL && material->double_sided);
             VkCullModeFlags cull = two_sided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT;
             if (layer == 2) {
-                result = draw_material(renderer, drawing, n, cull, true, error);
+                result = draw_material(renderer, drawing, slice, n, cull, true, error);
             } else if (layer == (is_blended ? 1 : 0)) {
                 if (two_sided && (is_blended || renderer->desc.has_back_face_color)) {
-                    result =
-                        draw_material(renderer, drawing, n, VK_CULL_MODE_FRONT_BIT, false, error);
+                    result = draw_material(renderer, drawing, slice, n, VK_CULL_MODE_FRONT_BIT,
+                                           false, error);
                     cull = VK_CULL_MODE_BACK_BIT;
                 }
                 if (result == GIRIH_OK) {
-                    result = draw_material(renderer, drawing, n, cull, false, error);
+                    result = draw_material(renderer, drawing, slice, n, cull, false, error);
                 }
             }
         }
@@ -605,8 +656,13 @@ static girih_result record_pass(girih_renderer *renderer, const girih_drawing *d
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, background);
     vkCmdDraw(commands, 3, 1, 0, 0);
     for (uint32_t n = 0; n < drawing_count && result == GIRIH_OK; n++) {
-        set_viewport(renderer, drawings[n].x, drawings[n].width);
-        result = draw_materials(renderer, &drawings[n], error);
+        for (uint32_t k = 0; k < renderer->slice_count && result == GIRIH_OK; k++) {
+            girih_panorama_slice slice = find_slice(renderer, k, drawings[n].width);
+            if (slice.width > 0) {
+                set_viewport(renderer, drawings[n].x + slice.x, slice.width);
+                result = draw_materials(renderer, &drawings[n], k, error);
+            }
+        }
     }
     if (drawing_count > 1) {
         draw_divider(renderer);

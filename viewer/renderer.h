@@ -21,6 +21,7 @@ typedef struct girih_renderer_desc {
     const girih_own_surface *own; // NULL: no drawing has a surface of the user's
     const girih_view *view;
     uint32_t width, height;
+    uint32_t drawing_width; // of each of the drawings side by side
     girih_shade shade;
     bool wireframe;
     bool has_back_face_color;

@@ -153,6 +153,11 @@ void main() {
     if (IS_MASK && base.a < material.alpha_cutoff) {
         discard;
     }
+    // What is behind the slice of a panorama: panorama.glsl. As few triangles are on the screen there, a
+    // clip distance, which not every device has, would gain nothing.
+    if (IS_CYLINDRICAL && dot(picture.panorama_forward.xyz, in_position - picture.eye.xyz) < 0.0) {
+        discard;
+    }
     float alpha = IS_BLEND ? base.a : 1.0;
     if (IS_LINE) {
         out_color = vec4(from_srgb(vec3(0.07, 0.09, 0.13)), 0.6);

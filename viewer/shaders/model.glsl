@@ -2,6 +2,7 @@
 // asks for; GIRIH_SET is defined where the instanced mode has attributes to read.
 #include "picture.glsl"
 #include "girih.glsl"
+#include "panorama.glsl"
 
 #if GIRIH_MODE == 0
 layout(std430, set = 0, binding = 1) readonly buffer RangeColors {
@@ -18,6 +19,12 @@ layout(location = 2) out vec4 out_texcoord; // of the base colour, of the normal
 layout(location = 3) out vec4 out_color;
 layout(location = 4) flat out vec3 out_range_color;
 
+GirihPanorama picture_panorama() {
+    return GirihPanorama(picture.eye.xyz, picture.panorama_forward.xyz, picture.panorama_right.xyz,
+                         picture.panorama_up.xyz, picture.panorama_forward.w,
+                         picture.panorama_slopes_depth.xy, picture.panorama_slopes_depth.zw);
+}
+
 void main() {
     GirihPoint point = girih_point();
     // Written out and precise: every mode must reach the same pixels.
@@ -26,6 +33,9 @@ void main() {
                          picture.view_projection[2] * point.position.z) +
                         picture.view_projection[3];
     gl_Position = clip;
+    if (IS_CYLINDRICAL) {
+        gl_Position = girih_panorama_point(picture_panorama(), point.position).position;
+    }
     out_position = point.position;
     out_normal = point.normal;
     out_texcoord = vec4(0.0);

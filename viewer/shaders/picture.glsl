@@ -19,6 +19,11 @@ layout(std140, set = 0, binding = 0) uniform Picture {
     uint texcoord_float;  // instanced: where the texture coordinates begin in a vertex's attributes
     uint texcoord_floats; // 2; 4 where a normal map has coordinates of its own, behind the others
     uint color_float;     // instanced: where the vertex colour begins
+    // IS_CYLINDRICAL: GirihPanorama of the slice
+    vec4 panorama_forward; // w: half_angle
+    vec4 panorama_right;
+    vec4 panorama_up;
+    vec4 panorama_slopes_depth;
 } picture;
 
 layout(push_constant) uniform Material {
@@ -40,5 +45,6 @@ layout(constant_id = 2) const bool IS_MASK = false;  // alpha mode MASK
 layout(constant_id = 3) const bool IS_BLEND = false; // alpha mode BLEND
 layout(constant_id = 4) const bool IS_LINE = false;  // the wireframe over the picture
 layout(constant_id = 5) const bool HAS_NORMAL_MAP = false;
+layout(constant_id = 6) const bool IS_CYLINDRICAL = false;
 
 #endif
