@@ -273,7 +273,7 @@ static void end_setting(setting *on) {
 }
 
 // Frames of every rule, with culling and without.
-#define FRAMES 10
+#define FRAMES 13
 static const girih_frame frames[FRAMES] = {
     {.rule = GIRIH_LEVEL_SEGMENTS},
     {.rule = GIRIH_LEVEL_RANDOM, .segments = 16, .seed = 7},
@@ -319,7 +319,35 @@ static const girih_frame frames[FRAMES] = {
      .near_distance = 1,
      .eye = {0.1f, 0.1f, 0.2f},
      .cull_back = 1},
-    {.rule = GIRIH_LEVEL_RANDOM_LEVEL, .segments = 4, .seed = 21}};
+    {.rule = GIRIH_LEVEL_RANDOM_LEVEL, .segments = 4, .seed = 21},
+    // Panoramas from within, all around and of a wedge.
+    {.rule = GIRIH_LEVEL_HORIZONTAL_PIXELS,
+     .length = 6,
+     .pixels_per_radian = 100,
+     .near_distance = 0.05f,
+     .eye = {0.1f, -0.2f, 0.15f}},
+    {.rule = GIRIH_LEVEL_HORIZONTAL_PIXELS,
+     .length = 10,
+     .pixels_per_radian = 80,
+     .near_distance = 0.3f,
+     .eye = {-0.4f, 0.25f, 0.1f},
+     .up = {0.3f, 1, -0.7f},
+     .cull_frustum = 1,
+     .cylindrical = 1,
+     .lowest_slope = -0.7f,
+     .highest_slope = 0.4f},
+    {.rule = GIRIH_LEVEL_HORIZONTAL_PIXELS,
+     .length = 12,
+     .pixels_per_radian = 120,
+     .near_distance = 0.01f,
+     .eye = {0.5f, 0.1f, 1.5f},
+     .up = {0, 0, -3},
+     .cull_frustum = 1,
+     .cull_back = 1,
+     .planes = {{1, 0.4f, 0, -0.5f}, {1, -0.5f, 0, -0.4f}},
+     .cylindrical = 1,
+     .lowest_slope = 0.1f,
+     .highest_slope = 2.5f}};
 
 // Outputs to choose from, by mode.
 static uint32_t choose_outputs(girih_mode mode, uint32_t turn, bool culls) {

@@ -299,6 +299,200 @@ static void lengths_agree_with_double_precision(void **state) {
     assert_true(checked > 10000);
 }
 
+// Segments asked for across a cylindrical picture, in long double: the real number whose ceiling
+// counts, and how far off rounding may put it. The angle between two directions is off by the
+// rounding of the ends' places, which is relative to their distance from the eye.
+typedef struct horizontal {
+    long double wanted, doubt;
+    int is_obtuse, is_short;
+} horizontal;
+
+static horizontal wanted_across(const float *p, const float *q, const girih_frame *frame) {
+    const float *const ends[2] = {p, q};
+    long double up[3] = {0, 1, 0}, flat[2][3], far[2], away[2];
+    long double length = 0, dot = 0, cross = 0, chord = 0;
+    for (int n = 0; n < 3; ++n) {
+        length += (long double)frame->up[n] * (long double)frame->up[n];
+    }
+    for (int n = 0; n < 3 && length > 0; ++n) {
+        up[n] = (long double)frame->up[n] / sqrtl(length);
+    }
+    for (int end = 0; end < 2; ++end) {
+        long double height = 0;
+        far[end] = away[end] = 0;
+        for (int n = 0; n < 3; ++n) {
+            flat[end][n] = (long double)ends[end][n] - (long double)frame->eye[n];
+            height += flat[end][n] * up[n];
+            away[end] += flat[end][n] * flat[end][n];
+        }
+        for (int n = 0; n < 3; ++n) {
+            flat[end][n] -= height * up[n];
+            far[end] += flat[end][n] * flat[end][n];
+        }
+        far[end] = sqrtl(far[end]);
+        away[end] = sqrtl(away[end]);
+    }
+    for (int n = 0; n < 3; ++n) {
+        const int y = (n + 1) % 3, z = (n + 2) % 3;
+        const long double across = flat[0][y] * flat[1][z] - flat[0][z] * flat[1][y];
+        const long double along = flat[1][n] - flat[0][n];
+        dot += flat[0][n] * flat[1][n];
+        cross += across * across;
+        chord += along * along;
+    }
+    chord = sqrtl(chord);
+    const long double angle = atan2l(sqrtl(cross), dot);
+    const long double segment = (long double)frame->length / (long double)frame->pixels_per_radian;
+    const long double near = (long double)frame->near_distance;
+    horizontal result = {.is_obtuse = dot < 0, .is_short = chord < angle * near};
+    result.wanted = fminl(angle, chord / near) / segment;
+    result.doubt =
+        1e-5L * result.wanted + (result.is_short ? 5e-7L * (away[0] + away[1]) / near
+                                                 : 5e-7L * (away[0] / far[0] + away[1] / far[1])) /
+                                    segment;
+    return result;
+}
+
+static girih_frame draw_panorama(uint64_t *random, uint32_t turn) {
+    girih_frame frame = {.rule = GIRIH_LEVEL_HORIZONTAL_PIXELS,
+                         .length = draw_float(random, 2.0f, 40.0f),
+                         .pixels_per_radian = draw_float(random, 60.0f, 400.0f),
+                         .near_distance = turn % 3 ? 0.3f : 0.001f};
+    for (int axis = 0; axis < 3; ++axis) {
+        frame.eye[axis] = draw_float(random, -0.7f, 0.7f);
+        frame.up[axis] = turn % 2 ? draw_float(random, -2.0f, 2.0f) : 0.0f;
+    }
+    frame.up[turn / 4 % 3] += turn % 4 == 2 ? -3.0f : 0.0f;
+    return frame;
+}
+
+// From within the mesh, so that there are edges on all sides, behind, across any seam that a
+// panorama might have, above, below and through the axis.
+static void panoramas_agree_with_long_double(void **state) {
+    (void)state;
+    const girih_catalogue *const catalogues[2] = {girih_catalogue_dyadic(),
+                                                  girih_catalogue_linear()};
+    uint64_t random = 99, checked = 0, ties = 0, obtuse = 0, near = 0, clamped = 0;
+    for (uint32_t turn = 0; turn < 24; ++turn) {
+        const girih_catalogue *catalogue = catalogues[turn % 5 % 2];
+        const girih_mesh *mesh = make_soup(150, turn % 2 ? 0 : 60, turn + 1);
+        stages s = stages_begin(catalogue, &mesh, 1, NULL, 0, baked);
+        const girih_frame frame = draw_panorama(&random, turn);
+        stages_frame(&s, &frame);
+        girih_twin_levels(&s.arrays);
+        uint64_t sure = 0, doubtful = 0;
+        for (uint32_t edge = 0; edge < mesh->edge_count; ++edge) {
+            const horizontal asked =
+                wanted_across(end_position(mesh, edge, 0), end_position(mesh, edge, 1), &frame);
+            if (fabsl(asked.wanted - roundl(asked.wanted)) <= asked.doubt) {
+                ++doubtful;
+                continue;
+            }
+            int is_clamped = 0;
+            const uint32_t level =
+                girih_catalogue_level(catalogue, (uint32_t)ceill(asked.wanted), &is_clamped);
+            assert_int_equal(edge_level(&s, edge), level);
+            sure += is_clamped != 0;
+            ++checked;
+            obtuse += asked.is_obtuse != 0;
+            near += asked.is_short != 0;
+        }
+        const uint64_t counted = stages_statistics(&s).clamped_edges;
+        assert_true(counted >= sure && counted <= sure + doubtful);
+        clamped += counted;
+        ties += doubtful;
+        stages_end(&s);
+        girih_mesh_destroy(mesh);
+    }
+    print_message("%llu edges, %llu beyond 90 degrees, %llu near the axis, %llu clamped, "
+                  "%llu too close to call\n",
+                  (unsigned long long)checked, (unsigned long long)obtuse, (unsigned long long)near,
+                  (unsigned long long)clamped, (unsigned long long)ties);
+    assert_true(checked > 5000 && obtuse > 500 && near > 100 && clamped > 50);
+    assert_true(ties * 100 < checked);
+}
+
+// Bit for bit: an edge asks for the same from either end, and on any scale.
+static void panoramas_do_not_depend_on_direction_or_scale(void **state) {
+    (void)state;
+    static const float scales[3] = {1.0f, 0x1p49f, 0x1p-40f};
+    uint64_t random = 5;
+    for (uint32_t turn = 0; turn < 12; ++turn) {
+        const girih_mesh *soup = make_soup(200, 70, turn + 1);
+        const girih_frame frame = draw_panorama(&random, turn);
+        uint32_t *expected = NULL;
+        for (int n = 0; n < 3; ++n) {
+            float *positions = malloc(soup->vertex_count * 3 * sizeof *positions);
+            assert_non_null(positions);
+            for (uint32_t k = 0; k < 3 * soup->vertex_count; ++k) {
+                positions[k] = soup->positions[k] * scales[n];
+            }
+            const girih_mesh *mesh = make_copy(soup, positions, 0, 0);
+            stages s = stages_begin(girih_catalogue_linear(), &mesh, 1, NULL, 0, baked);
+            girih_frame scaled = frame;
+            scaled.near_distance *= scales[n];
+            for (int axis = 0; axis < 3; ++axis) {
+                scaled.eye[axis] *= scales[n];
+            }
+            stages_frame(&s, &scaled);
+            const size_t bytes = mesh->edge_count * sizeof(uint32_t);
+            for (int reversed = 0; reversed < 2; ++reversed) {
+                girih_twin_levels(&s.arrays);
+                if (!expected) {
+                    expected = malloc(bytes);
+                    assert_non_null(expected);
+                    memcpy(expected, s.arrays.words[GIRIH_BIND_LEVELS], bytes);
+                }
+                assert_memory_equal(expected, s.arrays.words[GIRIH_BIND_LEVELS], bytes);
+                for (uint32_t edge = 0; edge < mesh->edge_count; ++edge) {
+                    uint32_t *points = s.arrays.words[GIRIH_BIND_EDGE_POINTS] + 2 * (size_t)edge;
+                    const uint32_t first = points[0];
+                    points[0] = points[1];
+                    points[1] = first;
+                }
+            }
+            stages_end(&s);
+            girih_mesh_destroy(mesh);
+            free(positions);
+        }
+        free(expected);
+        girih_mesh_destroy(soup);
+    }
+}
+
+// Known angles, at which the rule's sides are equal: seen from the origin, the edges of a square
+// around the axis ask for 90 degrees, an edge through the axis for 180, one along it for nothing.
+static void panoramas_of_known_angles(void **state) {
+    (void)state;
+    static const float positions[6][3] = {{1, 5, 0},  {0, -2, 1}, {-1, 0, 0},
+                                          {0, 3, -1}, {0, 1, 0},  {0, 2, 0}};
+    static const uint32_t indices[12] = {0, 1, 2, 2, 3, 0, 0, 4, 5, 2, 4, 5};
+    const girih_mesh_desc desc = {
+        .vertex_count = 6, .positions = positions[0], .indices = indices, .index_count = 12};
+    const girih_mesh *mesh = NULL;
+    assert_int_equal(girih_mesh_create(&desc, &mesh, NULL), GIRIH_OK);
+    stages s = stages_begin(girih_catalogue_linear(), &mesh, 1, NULL, 0, baked);
+    for (uint32_t parts = 1; parts <= 8; ++parts) {
+        // A hair more than a whole part of 90 degrees.
+        const girih_frame frame = {.rule = GIRIH_LEVEL_HORIZONTAL_PIXELS,
+                                   .length = 90.0f * 1.00001f / (float)parts,
+                                   .pixels_per_radian = 57.29577951f,
+                                   .near_distance = 0.001f};
+        stages_frame(&s, &frame);
+        girih_twin_levels(&s.arrays);
+        for (uint32_t edge = 0; edge < mesh->edge_count; ++edge) {
+            const float *p = end_position(mesh, edge, 0);
+            const float *q = end_position(mesh, edge, 1);
+            const int on_axis = (p[0] == 0.0f && p[2] == 0.0f) || (q[0] == 0.0f && q[2] == 0.0f);
+            const int opposite = p[0] == -q[0] && p[2] == -q[2];
+            const uint32_t segments = on_axis ? 1 : opposite ? 2 * parts : parts;
+            assert_int_equal(edge_level(&s, edge) + 1, segments);
+        }
+    }
+    stages_end(&s);
+    girih_mesh_destroy(mesh);
+}
+
 static void uniform_levels(void **state) {
     (void)state;
     const girih_mesh *mesh = make_cube(1);
@@ -360,6 +554,16 @@ static void frames_that_cannot_be_meant_are_refused(void **state) {
     refused(&s, frame, "frame: plane 4 is not finite");
     frame = (girih_frame){.rule = GIRIH_LEVEL_EDGE_LENGTH, .length = -1.0f};
     refused(&s, frame, "frame: the length -1 of a segment must be positive");
+    frame = (girih_frame){.rule = GIRIH_LEVEL_HORIZONTAL_PIXELS, .length = 8.0f};
+    refused(&s, frame, "frame: 8 pixels a segment and 0 pixels a radian must both be positive");
+    frame.pixels_per_radian = 160.0f;
+    refused(&s, frame, "frame: segments of 0.05 radians at the near distance 0 are out of range");
+    frame.near_distance = 0.1f;
+    stages_frame(&s, &frame);
+    frame.up[2] = NAN;
+    refused(&s, frame, "frame: the vertical axis or a slope is not finite");
+    frame = (girih_frame){.cylindrical = 1, .highest_slope = INFINITY};
+    refused(&s, frame, "frame: the vertical axis or a slope is not finite");
     frame = (girih_frame){.rule = (girih_level_rule)7};
     refused(&s, frame, "frame: unknown level rule 7");
     stages_end(&s);
@@ -374,6 +578,9 @@ int main(void) {
         cmocka_unit_test(dyadic_levels_round_up),
         cmocka_unit_test(random_clamps_are_counted),
         cmocka_unit_test(lengths_agree_with_double_precision),
+        cmocka_unit_test(panoramas_agree_with_long_double),
+        cmocka_unit_test(panoramas_do_not_depend_on_direction_or_scale),
+        cmocka_unit_test(panoramas_of_known_angles),
         cmocka_unit_test(uniform_levels),
         cmocka_unit_test(frames_that_cannot_be_meant_are_refused),
     };

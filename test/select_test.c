@@ -115,9 +115,10 @@ static void all_triples_are_placed_as_asked(void **state) {
             const uint32_t *patterns = s.arrays.words[GIRIH_BIND_PATTERNS];
             assert_int_equal(patterns[s.arrays.frame.pattern_count * GIRIH_PATTERN_WORDS + range],
                              i * (i + 1) * (i + 2) / 6 + j * (j + 1) / 2 + k);
-            mirrored_ranges += range != patterns[(i * (i + 1) * (i + 2) / 6 + j * (j + 1) / 2 + k) *
-                                                     GIRIH_PATTERN_WORDS +
-                                                 GIRIH_PATTERN_RANGE];
+            mirrored_ranges +=
+                range !=
+                patterns[(i * (i + 1) * (i + 2) / 6 + j * (j + 1) / 2 + k) * GIRIH_PATTERN_WORDS +
+                         GIRIH_PATTERN_RANGE];
         }
         stages_end(&s);
     }
@@ -146,19 +147,18 @@ static void ranges_and_replicas(void **state) {
             const uint32_t *record = words + (size_t)rank * GIRIH_PATTERN_WORDS;
             const uint32_t count = pattern->triangle_count,
                            replicas = record[GIRIH_PATTERN_REPLICAS];
-            const int two = pattern->levels[0] > pattern->levels[1] &&
-                            pattern->levels[1] > pattern->levels[2];
+            const int two =
+                pattern->levels[0] > pattern->levels[1] && pattern->levels[1] > pattern->levels[2];
             assert_true(replicas == 1 || replicas * count <= GIRIH_DRAW_TRIANGLES);
             assert_true(replicas * count > GIRIH_DRAW_TRIANGLES / 2);
             assert_true(replicas == 1 || replicas * pattern->vertex_count <= 65536);
             assert_int_equal(record[GIRIH_PATTERN_RANGE], range);
             assert_int_equal(record[GIRIH_PATTERN_CHUNKS], (pattern->vertex_count + 255) / 256);
             for (int mirrored = 0; mirrored <= two; ++mirrored, ++range) {
-                assert_int_equal(words[catalogues[n]->pattern_count * GIRIH_PATTERN_WORDS +
-                                       range],
+                assert_int_equal(words[catalogues[n]->pattern_count * GIRIH_PATTERN_WORDS + range],
                                  rank);
-                const uint32_t first = record[mirrored ? GIRIH_PATTERN_FIRST_MIRRORED
-                                                       : GIRIH_PATTERN_FIRST_INDEX];
+                const uint32_t first =
+                    record[mirrored ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX];
                 for (uint32_t m = 0; m < 3 * count * replicas; ++m) {
                     const uint32_t corner = m % 3;
                     const uint32_t source =
@@ -285,6 +285,19 @@ static void sample(const bezier *z, double u, double v, point *position, point *
     *normal = cross(along_v, along_w);
 }
 
+// Whether a point is neither above nor below the picture of a cylindrical projection.
+static int is_within_slopes(const girih_frame *frame, point position) {
+    point up = to_point(frame->up);
+    const double length = sqrt(dot(up, up));
+    up = combine(up, 1 / length, up, 0);
+    const point away = combine(position, 1, to_point(frame->eye), -1);
+    const double height = dot(away, up);
+    const point flat = combine(away, 1, up, -height);
+    const double distance = sqrt(dot(flat, flat));
+    return height >= (double)frame->lowest_slope * distance &&
+           height <= (double)frame->highest_slope * distance;
+}
+
 // Whether some sampled point lies within all planes and faces the viewer.
 static int is_seen(const bezier *z, const girih_frame *frame, int mirrored, int two_sided) {
     const int steps = 16;
@@ -294,8 +307,12 @@ static int is_seen(const bezier *z, const girih_frame *frame, int mirrored, int 
             sample(z, (double)i / steps, (double)j / steps, &position, &normal);
             int inside = 1;
             for (int n = 0; n < 6 && frame->cull_frustum; ++n) {
-                inside = inside && dot(to_point(frame->planes[n]), position) +
-                                           (double)frame->planes[n][3] >= 0.0;
+                inside =
+                    inside &&
+                    dot(to_point(frame->planes[n]), position) + (double)frame->planes[n][3] >= 0.0;
+            }
+            if (frame->cull_frustum && frame->cylindrical) {
+                inside = inside && is_within_slopes(frame, position);
             }
             const point eye = to_point(frame->eye);
             const point to_eye = frame->orthographic ? eye : combine(eye, 1, position, -1);
@@ -339,8 +356,39 @@ static girih_frame draw_camera(uint64_t *random, int kind) {
     return frame;
 }
 
+// A cylindrical projection from among what there is to see: a wedge or all around, its picture
+// around the horizon, above or below it.
+static girih_frame draw_panorama(uint64_t *random, int kind) {
+    girih_frame frame = {
+        .segments = 1, .cull_frustum = 1, .cull_back = kind % 3 == 1, .cylindrical = 1};
+    point eye, up, forward;
+    for (int n = 0; n < 3; ++n) {
+        frame.eye[n] = draw_float(random, -0.6f, 0.6f);
+        frame.up[n] = kind % 2 ? draw_float(random, -2.0f, 2.0f) : n == 1 ? 1.0f : 0.0f;
+        forward.v[n] = (double)draw_float(random, -1.0f, 1.0f);
+    }
+    eye = to_point(frame.eye);
+    up = to_point(frame.up);
+    up = combine(up, 1 / sqrt(dot(up, up)), up, 0);
+    forward = combine(forward, 1, up, -dot(forward, up));
+    forward = combine(forward, 1 / sqrt(dot(forward, forward)), up, 0);
+    const point right = cross(forward, up);
+    const double half = (double)draw_float(random, 0.1f, 1.5f);
+    for (int side = 0; side < 2 && kind % 4 != 3; ++side) {
+        const point normal = combine(forward, sin(half), right, side ? cos(half) : -cos(half));
+        for (int n = 0; n < 3; ++n) {
+            frame.planes[side][n] = (float)normal.v[n];
+        }
+        frame.planes[side][3] = (float)-dot(normal, eye);
+    }
+    frame.lowest_slope = draw_float(random, -1.5f, kind % 5 ? -0.1f : 1.0f);
+    frame.highest_slope = frame.lowest_slope + draw_float(random, 0.05f, 1.2f);
+    return frame;
+}
+
 static void check_culling(const girih_mesh *mesh, uint64_t seed, uint32_t cameras, int flat,
-                          uint64_t *culled_total, uint64_t *unseen_total) {
+                          girih_frame (*draw)(uint64_t *, int), uint64_t *culled_total,
+                          uint64_t *unseen_total) {
     uint64_t random = seed;
     assert_int_equal(mesh->seam_count, 0);
     for (uint32_t n = 0; n < cameras; ++n) {
@@ -349,14 +397,14 @@ static void check_culling(const girih_mesh *mesh, uint64_t seed, uint32_t camera
             instance.transform[element] += draw_float(&random, -0.7f, 0.7f);
         }
         stages s = stages_begin(girih_catalogue_dyadic(), &mesh, 1, &instance, 1, baked);
-        const girih_frame frame = draw_camera(&random, (int)n);
+        const girih_frame frame = draw(&random, (int)n);
         stages_frame(&s, &frame);
         stages_count(&s, flat ? GIRIH_SURFACE_FLAT : GIRIH_SURFACE_PN);
         const int mirrored =
             s.arrays.words[GIRIH_BIND_INSTANCES][GIRIH_INSTANCE_FLAGS] == GIRIH_INSTANCE_MIRRORED;
         for (uint32_t triangle = 0; triangle < mesh->triangle_count; ++triangle) {
-            const int two_sided = (s.arrays.words[GIRIH_BIND_TRIANGLE_MATERIALS][triangle] &
-                                   GIRIH_TWO_SIDED) != 0;
+            const int two_sided =
+                (s.arrays.words[GIRIH_BIND_TRIANGLE_MATERIALS][triangle] & GIRIH_TWO_SIDED) != 0;
             const bezier z = make_bezier(mesh, triangle, instance.transform, flat);
             const int culled = s.arrays.words[GIRIH_BIND_KEYS][triangle] == GIRIH_KEY_CULLED;
             const int seen = is_seen(&z, &frame, mirrored, two_sided);
@@ -376,19 +424,39 @@ static void nothing_seen_is_culled(void **state) {
     uint64_t culled = 0, unseen = 0;
     for (uint64_t seed = 1; seed <= 6; ++seed) {
         const girih_mesh *soup = make_soup(90, 0, seed);
-        check_culling(soup, seed, 12, 0, &culled, &unseen);
-        check_culling(soup, seed + 100, 12, 1, &culled, &unseen);
+        check_culling(soup, seed, 12, 0, draw_camera, &culled, &unseen);
+        check_culling(soup, seed + 100, 12, 1, draw_camera, &culled, &unseen);
         girih_mesh_destroy(soup);
     }
     print_message("soup: %.1f %% of the unseen triangles culled\n",
                   100.0 * (double)culled / (double)unseen);
     culled = unseen = 0;
     const girih_mesh *sphere = make_icosphere(2);
-    check_culling(sphere, 1234, 24, 0, &culled, &unseen);
+    check_culling(sphere, 1234, 24, 0, draw_camera, &culled, &unseen);
     girih_mesh_destroy(sphere);
     print_message("sphere: %.1f %% of the unseen triangles culled\n",
                   100.0 * (double)culled / (double)unseen);
     assert_true(culled * 10 > unseen * 3);
+}
+
+static void nothing_seen_in_a_panorama_is_culled(void **state) {
+    (void)state;
+    uint64_t culled = 0, unseen = 0;
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+        const girih_mesh *soup = make_soup(90, 0, seed);
+        check_culling(soup, seed, 20, 0, draw_panorama, &culled, &unseen);
+        check_culling(soup, seed + 100, 20, 1, draw_panorama, &culled, &unseen);
+        girih_mesh_destroy(soup);
+    }
+    print_message("soup: %.1f %% of the unseen triangles culled\n",
+                  100.0 * (double)culled / (double)unseen);
+    culled = unseen = 0;
+    const girih_mesh *sphere = make_icosphere(3);
+    check_culling(sphere, 1234, 40, 0, draw_panorama, &culled, &unseen);
+    girih_mesh_destroy(sphere);
+    print_message("sphere: %.1f %% of the unseen triangles culled\n",
+                  100.0 * (double)culled / (double)unseen);
+    assert_true(culled * 10 > unseen * 8);
 }
 
 // Back faces alone, on a fine sphere from far away: nearly half face away.
@@ -460,6 +528,7 @@ int main(void) {
         cmocka_unit_test(all_triples_are_placed_as_asked),
         cmocka_unit_test(ranges_and_replicas),
         cmocka_unit_test(nothing_seen_is_culled),
+        cmocka_unit_test(nothing_seen_in_a_panorama_is_culled),
         cmocka_unit_test(back_faces_of_a_sphere_are_culled),
         cmocka_unit_test(far_meshes_are_not_culled),
     };
