@@ -1,5 +1,6 @@
+#!/usr/bin/env python3
 """Models to look around in, and what holds for their panoramas. Needs nothing but Python.
-Usage: panorama.py room FILE.gltf | ring TEAPOT.glb FILE.glb | covered PNG | closed PNG | turned PNG PNG COLUMNS"""
+Usage: panorama.py room FILE.gltf | ring TEAPOT.glb FILE.glb | covered PNG | closed PNG | turned PNG PNG COLUMNS PERMILLE"""
 import base64
 import json
 import math
@@ -9,7 +10,7 @@ import zlib
 
 
 def write_room(path):
-    """A closed room of twelve triangles and a ball in a corner of it, unlit, seen from inside. Colours vary with the
+    """A closed room of twelve triangles and a ball in it behind whoever looks along -z from the middle, unlit, seen from inside. Colours vary with the
     position; blue is 0 everywhere, which the background's never is."""
     positions, normals, colors, indices = [], [], [], []
 
@@ -32,7 +33,7 @@ def write_room(path):
         for column in range(columns + 1):
             a, b = 2.0 * math.pi * column / columns, math.pi * row / rows
             n = (math.sin(b) * math.cos(a), math.cos(b), math.sin(b) * math.sin(a))
-            vertex(tuple(c + 0.4 * x for c, x in zip((-0.3, -0.4, 2.2), n)), n)
+            vertex(tuple(c + 0.4 * x for c, x in zip((0.1, -0.4, 2.2), n)), n)
     for row in range(rows):
         for column in range(columns):
             k = first + row * (columns + 1) + column
@@ -143,18 +144,18 @@ def closed(path):
         path, steps[-1], len(rows))
 
 
-def turned(first, second, columns):
-    """The second is the first, `columns` columns to the left."""
+def turned(first, second, columns, permille):
+    """The second is the first, `columns` columns to the left, but for so many pixels."""
     a, b = read_png(first), read_png(second)
     width, height = len(a[0]), len(a)
     differs = sum(difference(a[y][(x + columns) % width], b[y][x]) > 2 for y in range(height) for x in range(width))
     print('%d of %d pixels differ' % (differs, width * height))
-    assert differs <= width * height // 2000, 'turning is not shifting'
+    assert 1000 * differs <= permille * width * height, 'turning is not shifting'
 
 
 if __name__ == '__main__':
     arguments = sys.argv[2:]
     if sys.argv[1] == 'turned':
-        arguments[2] = int(arguments[2])
+        arguments[2:] = [int(number) for number in arguments[2:]]
     {'room': write_room, 'ring': write_ring, 'covered': covered, 'closed': closed,
      'turned': turned}[sys.argv[1]](*arguments)
