@@ -75,7 +75,7 @@ for model in 'room.gltf --surface flat --wireframe' 'room.gltf --surface flat --
     # Normals are the world's; lights would turn with the camera. Lines are a pixel wide, and where
     # they pass between two, rounding says which one.
     [[ $model == *wireframe ]] && permille=10 || permille=1
-    holds turned first.png second.png 120 $permille
+    holds turned first.png second.png 120 "$permille"
 done
 
 # --- Surfaces of the user's own, refine and check ---
