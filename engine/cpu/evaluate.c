@@ -1,6 +1,8 @@
 // Stage 5 on the CPU: patches for the instanced mode, or the surface's points for the baked and
 // welded modes. Twin of glsl/evaluate.glsl.
+#include "attributes.h"
 #include "own.h"
+#include "points.h"
 
 // Copied, not assigned as words: girih_cpu_output hands the same memory out as floats.
 static void write_vector(uint32_t *words, girih_vector v) {
@@ -60,19 +62,6 @@ static target find_target(const girih_arrays *arrays, uint32_t vertex) {
                         (size_t)vertex * arrays->frame.attribute_stride};
 }
 
-static void write_attributes(const girih_arrays *arrays, const uint32_t vertices[3],
-                             const float b[3], uint32_t *words) {
-    const uint32_t floats = arrays->frame.attribute_floats;
-    const uint32_t *attributes = arrays->words[GIRIH_BIND_ATTRIBUTES];
-    for (uint32_t a = 0; a < floats; ++a) {
-        const float value = girih_no_negative_zero(girih_patch_attribute(
-            girih_word_float(attributes[(size_t)vertices[0] * floats + a]),
-            girih_word_float(attributes[(size_t)vertices[1] * floats + a]),
-            girih_word_float(attributes[(size_t)vertices[2] * floats + a]), b[0], b[1], b[2]));
-        memcpy(words + a, &value, sizeof value);
-    }
-}
-
 static void to_barycentric(const uint32_t weights[3], float b[3]) {
     for (int n = 0; n < 3; ++n) {
         b[n] = (float)weights[n] * (1.0f / 32768.0f);
@@ -124,9 +113,7 @@ static void write_own_point(own_item *surface, const uint32_t permuted[3], targe
     write_vector(out.attributes, girih_own_normal(surface->desc, owner, b));
 }
 
-// `own` is NULL, or has the surface that is evaluated instead of the library's.
-static void write_points(girih_arrays *arrays, uint32_t number, girih_surface surface,
-                         const girih_cpu_desc *own) {
+static void write_own_points(girih_arrays *arrays, uint32_t number, const girih_cpu_desc *desc) {
     const girih_item item = girih_read_item(arrays, number);
     const uint32_t count = girih_group_word(arrays, item.group, GIRIH_GROUP_VERTICES);
     const uint32_t first =
@@ -138,13 +125,8 @@ static void write_points(girih_arrays *arrays, uint32_t number, girih_surface su
     if (welded) {
         weld = girih_item_weld(arrays, &item, vertices, false);
     }
-    girih_patch p;
-    own_item own_surface;
-    if (own) {
-        begin_own(&own_surface, arrays, own, &item);
-    } else {
-        girih_item_patch(arrays, &item, vertices, surface, &p);
-    }
+    own_item surface;
+    begin_own(&surface, arrays, desc, &item);
     const uint32_t *pattern_vertices =
         arrays->words[GIRIH_BIND_PATTERN_VERTICES] +
         girih_group_word(arrays, item.group, GIRIH_GROUP_PATTERN_VERTEX);
@@ -155,31 +137,26 @@ static void write_points(girih_arrays *arrays, uint32_t number, girih_surface su
         const uint32_t weights[3] = {u, v, 32768 - u - v};
         float b[3];
         to_barycentric(weights, b);
-        if (own) {
-            write_own_point(&own_surface, weights, out);
-        } else {
-            write_vector(out.position, girih_patch_position(&p, b[0], b[1], b[2]));
-            write_vector(out.attributes, girih_patch_unit_normal(&p, b[0], b[1], b[2]));
-        }
-        write_attributes(arrays, vertices, b, out.attributes + 3);
+        write_own_point(&surface, weights, out);
+        girih_write_attributes(arrays, vertices, b, (float *)(void *)(out.attributes + 3));
     }
 }
 
 void girih_twin_evaluate(girih_arrays *arrays, girih_surface surface) {
+    if (arrays->frame.output_mode != GIRIH_OUTPUT_INSTANCED) {
+        girih_twin_points(arrays, surface);
+        return;
+    }
     const uint32_t items = girih_word(arrays, GIRIH_BIND_STATUS, GIRIH_STATUS_ITEMS);
     for (uint32_t number = 0; number < items; ++number) {
-        if (arrays->frame.output_mode == GIRIH_OUTPUT_INSTANCED) {
-            write_patch(arrays, number, surface);
-        } else {
-            write_points(arrays, number, surface, NULL);
-        }
+        write_patch(arrays, number, surface);
     }
 }
 
 void girih_twin_evaluate_own(girih_arrays *arrays, const girih_cpu_desc *desc) {
     const uint32_t items = girih_word(arrays, GIRIH_BIND_STATUS, GIRIH_STATUS_ITEMS);
     for (uint32_t number = 0; number < items; ++number) {
-        write_points(arrays, number, GIRIH_SURFACE_OWN, desc);
+        write_own_points(arrays, number, desc);
     }
 }
 

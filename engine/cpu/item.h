@@ -62,28 +62,41 @@ static inline void girih_item_vertices(const girih_arrays *arrays, const girih_i
     }
 }
 
-static inline void girih_item_curve(const girih_arrays *arrays, const girih_item *item,
-                                    const girih_vector p[3], const girih_vector n[3],
-                                    const girih_transform *t, const girih_transform *nt,
-                                    girih_patch *patch) {
-    uint32_t edges[3];
-    for (uint32_t edge = 0; edge < 3; ++edge) {
-        edges[edge] = girih_word(arrays, GIRIH_BIND_TRIANGLE_EDGES,
-                                 3 * (size_t)item->scene_triangle + item->edges[edge]);
+// The words of the item's edges, with their reversal relative to the base pattern's direction.
+static inline void girih_item_edges(const girih_arrays *arrays, const girih_item *item,
+                                    uint32_t edges[3]) {
+    for (uint32_t n = 0; n < 3; ++n) {
+        edges[n] = girih_word(arrays, GIRIH_BIND_TRIANGLE_EDGES,
+                              3 * (size_t)item->scene_triangle + item->edges[n]);
         if (item->odd) {
-            edges[edge] ^= GIRIH_EDGE_REVERSED;
+            edges[n] ^= GIRIH_EDGE_REVERSED;
         }
     }
-    const girih_pn_points c = girih_make_pn_points(
-        arrays, p, n, edges,
-        girih_instance_word(arrays, item->instance, GIRIH_INSTANCE_SEAM_DELTA));
-    patch->b210 = girih_transform_point(t, c.b210);
-    patch->b120 = girih_transform_point(t, c.b120);
-    patch->b021 = girih_transform_point(t, c.b021);
-    patch->b012 = girih_transform_point(t, c.b012);
-    patch->b102 = girih_transform_point(t, c.b102);
-    patch->b201 = girih_transform_point(t, c.b201);
-    patch->b111 = girih_transform_point(t, c.b111);
+}
+
+// From corners p and normals n in mesh space to the patch in world space.
+static inline void girih_place_flat(const girih_vector p[3], const girih_vector n[3],
+                                    const girih_transform *t, const girih_transform *nt,
+                                    girih_patch *patch) {
+    patch->b300 = girih_transform_point(t, p[0]);
+    patch->b030 = girih_transform_point(t, p[1]);
+    patch->b003 = girih_transform_point(t, p[2]);
+    patch->n200 = girih_transform_point(nt, n[0]);
+    patch->n020 = girih_transform_point(nt, n[1]);
+    patch->n002 = girih_transform_point(nt, n[2]);
+}
+
+// What a PN patch has beside that.
+static inline void girih_place_curve(const girih_vector p[3], const girih_vector n[3],
+                                     const girih_pn_points *c, const girih_transform *t,
+                                     const girih_transform *nt, girih_patch *patch) {
+    patch->b210 = girih_transform_point(t, c->b210);
+    patch->b120 = girih_transform_point(t, c->b120);
+    patch->b021 = girih_transform_point(t, c->b021);
+    patch->b012 = girih_transform_point(t, c->b012);
+    patch->b102 = girih_transform_point(t, c->b102);
+    patch->b201 = girih_transform_point(t, c->b201);
+    patch->b111 = girih_transform_point(t, c->b111);
     patch->n110 = girih_transform_point(nt, girih_pn_edge_normal(p[0], p[1], n[0], n[1]));
     patch->n011 = girih_transform_point(nt, girih_pn_edge_normal(p[1], p[2], n[1], n[2]));
     patch->n101 = girih_transform_point(nt, girih_pn_edge_normal(p[2], p[0], n[2], n[0]));
@@ -101,14 +114,14 @@ static inline void girih_item_patch(const girih_arrays *arrays, const girih_item
     const girih_transform t = girih_instance_transform(arrays, item->instance);
     const girih_transform nt = girih_instance_normal_transform(arrays, item->instance);
     patch->surface = surface;
-    patch->b300 = girih_transform_point(&t, p[0]);
-    patch->b030 = girih_transform_point(&t, p[1]);
-    patch->b003 = girih_transform_point(&t, p[2]);
-    patch->n200 = girih_transform_point(&nt, n[0]);
-    patch->n020 = girih_transform_point(&nt, n[1]);
-    patch->n002 = girih_transform_point(&nt, n[2]);
+    girih_place_flat(p, n, &t, &nt, patch);
     if (surface == GIRIH_SURFACE_PN) {
-        girih_item_curve(arrays, item, p, n, &t, &nt, patch);
+        uint32_t edges[3];
+        girih_item_edges(arrays, item, edges);
+        const girih_pn_points c = girih_make_pn_points(
+            arrays, p, n, edges,
+            girih_instance_word(arrays, item->instance, GIRIH_INSTANCE_SEAM_DELTA));
+        girih_place_curve(p, n, &c, &t, &nt, patch);
     }
 }
 

@@ -20,9 +20,9 @@ static uint32_t hash_point(uint32_t hash, girih_vector p) {
     return hash_word(hash, girih_float_word(p.z));
 }
 
-// The canonical order of mesh preparation.
+// The canonical order of mesh preparation. Without branches: which way an edge runs is chance.
 static bool comes_before(girih_vector p, girih_vector q) {
-    return p.x < q.x || (p.x == q.x && (p.y < q.y || (p.y == q.y && p.z < q.z)));
+    return (p.x < q.x) | ((p.x == q.x) & ((p.y < q.y) | ((p.y == q.y) & (p.z < q.z))));
 }
 
 // Positions that the host has moved are hashed as a mesh freshly prepared from them would be: in

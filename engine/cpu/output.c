@@ -10,6 +10,31 @@ static uint32_t pattern_index(const girih_arrays *arrays, uint32_t n) {
     return indices[n >> 1] >> (16 * (n & 1)) & 0xffff;
 }
 
+// Indices of the pattern's from `first` on, each with `base` added.
+static void copy_indices(const girih_arrays *arrays, uint32_t first, uint32_t count, uint32_t base,
+                         uint32_t *restrict out) {
+    const uint32_t *restrict indices = arrays->words[GIRIH_BIND_PATTERN_INDICES];
+    if (arrays->frame.index_bytes == 4) {
+        for (uint32_t n = 0; n < count; ++n) {
+            out[n] = base + indices[first + n];
+        }
+        return;
+    }
+    uint32_t n = 0;
+    if ((first & 1) != 0 && count > 0) {
+        out[n++] = base + (indices[first >> 1] >> 16);
+    }
+    const uint32_t *restrict pairs = indices + ((first + n) >> 1);
+    const uint32_t whole = (count - n) / 2;
+    for (uint32_t pair = 0; pair < whole; ++pair) {
+        out[n + 2 * pair] = base + (pairs[pair] & 0xffff);
+        out[n + 2 * pair + 1] = base + (pairs[pair] >> 16);
+    }
+    if (n + 2 * whole < count) {
+        out[count - 1] = base + (pairs[whole] & 0xffff);
+    }
+}
+
 static void write_triangles(girih_arrays *arrays, uint32_t number, uint32_t outputs) {
     const girih_item item = girih_read_item(arrays, number);
     const uint32_t count = girih_pattern(arrays, item.rank, GIRIH_PATTERN_TRIANGLES);
@@ -56,8 +81,44 @@ static void write_triangles(girih_arrays *arrays, uint32_t number, uint32_t outp
     }
 }
 
+// The indices of consecutive items of one group: the pattern's replicas, as far as they go.
+static void write_replicas(girih_arrays *arrays, const girih_item *item, uint32_t count) {
+    const uint32_t triangles = girih_pattern(arrays, item->rank, GIRIH_PATTERN_TRIANGLES);
+    const uint32_t vertices = girih_group_word(arrays, item->group, GIRIH_GROUP_VERTICES);
+    const uint32_t replicas = girih_pattern(arrays, item->rank, GIRIH_PATTERN_REPLICAS);
+    const uint32_t first_index =
+        girih_pattern(arrays, item->rank,
+                      item->mirrored ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
+    for (uint32_t done = 0; done < count; done += replicas) {
+        const uint32_t number = item->number + done;
+        const uint32_t items = count - done < replicas ? count - done : replicas;
+        const uint32_t first_vertex =
+            girih_group_word(arrays, item->group, GIRIH_GROUP_BASE_VERTEX) + number * vertices;
+        const uint32_t first_triangle =
+            girih_group_word(arrays, item->group, GIRIH_GROUP_BASE_TRIANGLE) + number * triangles;
+        copy_indices(arrays, first_index, 3 * items * triangles, first_vertex,
+                     arrays->words[GIRIH_BIND_OUT_INDICES] + 3 * (size_t)first_triangle);
+    }
+}
+
 void girih_twin_output(girih_arrays *arrays, uint32_t outputs) {
     const uint32_t items = girih_word(arrays, GIRIH_BIND_STATUS, GIRIH_STATUS_ITEMS);
+    const uint32_t lists = outputs & (GIRIH_OUTPUT_BIT_INDICES | GIRIH_OUTPUT_BIT_CLOSED_INDICES |
+                                      GIRIH_OUTPUT_BIT_SOURCES);
+    if (arrays->frame.output_mode != GIRIH_OUTPUT_WELDED && lists == GIRIH_OUTPUT_BIT_INDICES) {
+        for (uint32_t number = 0, count; number < items; number += count) {
+            const girih_item item = girih_read_item(arrays, number);
+            const uint32_t *item_words =
+                arrays->words[GIRIH_BIND_ITEMS] + (size_t)number * GIRIH_ITEM_WORDS;
+            count = 1;
+            while (number + count < items &&
+                   item_words[count * GIRIH_ITEM_WORDS + GIRIH_ITEM_KEY] >> 3 == item.group) {
+                ++count;
+            }
+            write_replicas(arrays, &item, count);
+        }
+        return;
+    }
     for (uint32_t number = 0; number < items; ++number) {
         write_triangles(arrays, number, outputs);
     }

@@ -51,6 +51,16 @@ typedef struct girih_pn_points {
     girih_vector b210, b120, b021, b012, b102, b201, b111;
 } girih_pn_points;
 
+// b111 from the corners p and the control points of the edges.
+static inline girih_vector girih_pn_middle(const girih_vector p[3], const girih_pn_points *c) {
+    const girih_vector mean =
+        girih_scale(girih_add(girih_add(girih_add(c->b210, c->b120), girih_add(c->b021, c->b012)),
+                              girih_add(c->b102, c->b201)),
+                    1.0f / 6.0f);
+    const girih_vector centre = girih_scale(girih_add(girih_add(p[0], p[1]), p[2]), 1.0f / 3.0f);
+    return girih_add(mean, girih_scale(girih_subtract(mean, centre), 0.5f));
+}
+
 // The inner control points of a triangle with corners p, normals n, and edge words e for its edges
 // 12, 23, 31.
 static inline girih_pn_points girih_make_pn_points(const girih_arrays *arrays,
@@ -60,12 +70,22 @@ static inline girih_pn_points girih_make_pn_points(const girih_arrays *arrays,
     girih_pn_edge(arrays, p[0], p[1], n[0], n[1], e[0], seam_delta, &c.b210, &c.b120);
     girih_pn_edge(arrays, p[1], p[2], n[1], n[2], e[1], seam_delta, &c.b021, &c.b012);
     girih_pn_edge(arrays, p[2], p[0], n[2], n[0], e[2], seam_delta, &c.b102, &c.b201);
-    const girih_vector mean =
-        girih_scale(girih_add(girih_add(girih_add(c.b210, c.b120), girih_add(c.b021, c.b012)),
-                              girih_add(c.b102, c.b201)),
-                    1.0f / 6.0f);
-    const girih_vector centre = girih_scale(girih_add(girih_add(p[0], p[1]), p[2]), 1.0f / 3.0f);
-    c.b111 = girih_add(mean, girih_scale(girih_subtract(mean, centre), 0.5f));
+    c.b111 = girih_pn_middle(p, &c);
+    return c;
+}
+
+// The same where no edge is a seam.
+static inline girih_pn_points girih_make_smooth_pn_points(const girih_vector p[3],
+                                                          const girih_vector n[3]) {
+    girih_pn_points c = {
+        .b210 = girih_pn_edge_point(p[0], p[1], n[0]),
+        .b120 = girih_pn_edge_point(p[1], p[0], n[1]),
+        .b021 = girih_pn_edge_point(p[1], p[2], n[1]),
+        .b012 = girih_pn_edge_point(p[2], p[1], n[2]),
+        .b102 = girih_pn_edge_point(p[2], p[0], n[2]),
+        .b201 = girih_pn_edge_point(p[0], p[2], n[0]),
+    };
+    c.b111 = girih_pn_middle(p, &c);
     return c;
 }
 
