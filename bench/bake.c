@@ -242,51 +242,68 @@ typedef struct method {
     uint64_t triangles;
 } method;
 
-static double milliseconds(void) {
+static double milliseconds(clockid_t clock) {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
-static girih_result time_run(case_state *s, const method *m, double *time, girih_error *error) {
-    const double begin = milliseconds();
+// Wall time, and CPU time of all of the process's threads.
+typedef struct duration {
+    double wall, cpu;
+} duration;
+
+static girih_result time_run(case_state *s, const method *m, duration *time, girih_error *error) {
+    const double cpu = milliseconds(CLOCK_PROCESS_CPUTIME_ID);
+    const double wall = milliseconds(CLOCK_MONOTONIC);
     const girih_result result = m->run(s, error);
-    *time = milliseconds() - begin;
+    time->wall = milliseconds(CLOCK_MONOTONIC) - wall;
+    time->cpu = milliseconds(CLOCK_PROCESS_CPUTIME_ID) - cpu;
     return result;
 }
 
-static json_t *figures(const method *m, double *own, double *ratios, uint32_t pairs) {
+// Of a method's pairs.
+typedef struct samples {
+    double wall[STATISTICS_MOST], cpu[STATISTICS_MOST];
+    double ratios[STATISTICS_MOST], cpu_ratios[STATISTICS_MOST];
+} samples;
+
+static json_t *figures(const method *m, samples *of, uint32_t pairs) {
     double low, high;
-    statistics_interval(ratios, pairs, &low, &high);
-    const double median = statistics_median(own, pairs);
+    statistics_interval(of->ratios, pairs, &low, &high);
+    const double median = statistics_median(of->wall, pairs);
     const double triangles = (double)m->triangles;
-    return json_pack("{s:{s:f,s:f,s:f,s:I,s:f,s:f,s:f,s:f,s:f}}", "bake", "median_ms", median,
-                     "min_ms", own[0], "max_ms", own[pairs - 1], "output_triangles",
+    return json_pack("{s:{s:f,s:f,s:f,s:f,s:I,s:f,s:f,s:f,s:f,s:f,s:f}}", "bake", "median_ms",
+                     median, "min_ms", of->wall[0], "max_ms", of->wall[pairs - 1], "cpu_ms",
+                     statistics_median(of->cpu, pairs), "output_triangles",
                      (json_int_t)m->triangles, "ns_per_triangle", median * 1e6 / triangles,
                      "triangles_per_second", triangles / median * 1e3, "ratio",
-                     statistics_median(ratios, pairs), "ratio_low", low, "ratio_high", high);
+                     statistics_median(of->ratios, pairs), "ratio_low", low, "ratio_high", high,
+                     "cpu_ratio", statistics_median(of->cpu_ratios, pairs));
 }
 
 // One method against girih, in alternating pairs; which of the two goes first alternates too.
 static girih_result measure(case_state *s, const method *m, const method *base, uint32_t pairs,
                             json_t *methods, girih_error *error) {
-    static double own[STATISTICS_MOST];
-    static double ratios[STATISTICS_MOST];
+    static samples of;
+    const double scale = (double)base->triangles / (double)m->triangles;
     girih_result result = GIRIH_OK;
-    double times[2]; // girih, the method
+    duration times[2]; // girih, the method
     for (uint32_t n = 0; n < WARM_UP + pairs && result == GIRIH_OK; ++n) {
         for (uint32_t turn = 0; turn < 2 && result == GIRIH_OK; ++turn) {
             const uint32_t which = (n + turn) % 2;
             result = time_run(s, which ? m : base, &times[which], error);
         }
-        if (n >= WARM_UP) {
-            own[n - WARM_UP] = times[1];
-            ratios[n - WARM_UP] =
-                times[1] / (double)m->triangles / (times[0] / (double)base->triangles);
+        if (n >= WARM_UP && result == GIRIH_OK) {
+            const uint32_t pair = n - WARM_UP;
+            of.wall[pair] = times[1].wall;
+            of.cpu[pair] = times[1].cpu;
+            of.ratios[pair] = times[1].wall / times[0].wall * scale;
+            of.cpu_ratios[pair] = times[1].cpu / times[0].cpu * scale;
         }
     }
     if (result == GIRIH_OK) {
-        json_object_set_new(methods, m->name, figures(m, own, ratios, pairs));
+        json_object_set_new(methods, m->name, figures(m, &of, pairs));
     }
     return result;
 }
