@@ -10,6 +10,9 @@ void girih_record_group(const girih_plan *plan, VkCommandBuffer commands) {
     const uint64_t block_invocations = (uint64_t)frame->sort_block_count * (serial ? 1 : 128);
     const uint32_t block_size = serial ? 8 : 128;
     for (uint32_t pass = 0; pass < passes; ++pass) {
+        if (pass > 0) {
+            girih_compute_barrier(context, commands);
+        }
         const girih_push_block push = {.shift = pass * bits,
                                        .bins = 1u << bits,
                                        .first_pass = pass == 0,
@@ -34,8 +37,10 @@ void girih_record_group(const girih_plan *plan, VkCommandBuffer commands) {
             plan, commands,
             serial ? GIRIH_SHADER_group_place_serial : GIRIH_SHADER_group_place_workgroup, 0);
         girih_dispatch_invocations(plan, commands, block_invocations, block_size);
-        girih_compute_barrier(context, commands);
     }
-    girih_bind_pipeline(plan, commands, GIRIH_SHADER_group_bounds, 0);
-    girih_dispatch_invocations(plan, commands, frame->triangle_count, 128);
+    if (passes > 1) {
+        girih_compute_barrier(context, commands);
+        girih_bind_pipeline(plan, commands, GIRIH_SHADER_group_bounds, 0);
+        girih_dispatch_invocations(plan, commands, frame->group_count, 128);
+    }
 }

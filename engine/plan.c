@@ -102,7 +102,7 @@ static girih_result need_pipelines(girih_plan *plan, girih_error *error) {
         {serial ? GIRIH_SHADER_group_blocks_serial : GIRIH_SHADER_group_blocks_workgroup, 0, true},
         {GIRIH_SHADER_group_digits, 0, true},
         {serial ? GIRIH_SHADER_group_place_serial : GIRIH_SHADER_group_place_workgroup, 0, true},
-        {GIRIH_SHADER_group_bounds, 0, true},
+        {GIRIH_SHADER_group_bounds, 0, girih_sort_passes(frame->group_count, &(uint32_t){0}) > 1},
         {GIRIH_SHADER_dispatch_groups, 0, true},
         {GIRIH_SHADER_dispatch_draws, 0,
          plan->mode != GIRIH_MODE_INSTANCED && frame->draws_per_material},

@@ -3,8 +3,8 @@
 //
 // Keys are sorted digit by digit, the lowest first, as many digits as the number of groups needs. Each
 // block of sort_block keys counts its digits (GIRIH_KERNEL 0); the counts are summed over the blocks
-// (1) and over the digits (2); each block then places its keys (3). Last, the groups' bounds are where
-// the sorted keys change (4).
+// (1) and over the digits (2); each block then places its keys (3). Where one digit is enough, its sums
+// are the groups' bounds; else each group looks its bounds up in the sorted keys (4).
 //
 // Two ways to walk a block, with the same result: one lane alone (GIRIH_SERIAL), best where lanes are
 // few and memory is near, or a workgroup, ranking its keys against each other in shared memory.
@@ -49,9 +49,22 @@ void place(uint n, uint key, uint target) {
     }
 }
 
+// Culled keys count as a digit beyond all others: cheaper than a branch where lanes run in step.
+uint digit_or_none(uint key) {
+    return key != GIRIH_KEY_CULLED ? digit_of(key) : GIRIH_MAX_BINS;
+}
+
 // COUNTERS: a row of `bins` counters for every block, then a row of the digits' totals.
 uint counter_word(uint block, uint digit) {
     return block * girih_push.bins + digit;
+}
+
+// The groups were cleared to 0, so that an empty one begins and ends at 0.
+void write_bounds(uint group, uint first, uint end) {
+    if (first < end) {
+        GIRIH_AT_GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) = first;
+        GIRIH_AT_GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = end;
+    }
 }
 
 #if GIRIH_KERNEL == 0 && defined(GIRIH_SERIAL)
@@ -61,16 +74,17 @@ void main() {
     if (block >= girih_frame.sort_block_count) {
         return;
     }
+    uint counts[GIRIH_MAX_BINS + 1u];
     for (uint digit = 0u; digit < girih_push.bins; ++digit) {
-        GIRIH_AT_COUNTERS(counter_word(block, digit)) = 0u;
+        counts[digit] = 0u;
     }
     uint end = min((block + 1u) * girih_frame.sort_block, key_count());
     for (uint n = block * girih_frame.sort_block; n < end; ++n) {
-        uint key = read_key(n);
-        if (key != GIRIH_KEY_CULLED) {
-            uint word = counter_word(block, digit_of(key));
-            GIRIH_AT_COUNTERS(word) = GIRIH_AT_COUNTERS(word) + 1u;
-        }
+        uint digit = digit_or_none(read_key(n));
+        counts[digit] = counts[digit] + 1u;
+    }
+    for (uint digit = 0u; digit < girih_push.bins; ++digit) {
+        GIRIH_AT_COUNTERS(counter_word(block, digit)) = counts[digit];
     }
 }
 
@@ -154,19 +168,40 @@ void main() {
 
 #elif GIRIH_KERNEL == 2
 
-// One invocation: at most GIRIH_MAX_BINS additions.
+shared uint sums[gl_WorkGroupSize.x];
+
+// One workgroup: each lane sums a run of digits, the sums of the lanes before it are added, and it walks
+// its run again to write.
 void main() {
-    if (gl_LocalInvocationID.x != 0u) {
-        return;
+    uint lane = gl_LocalInvocationID.x;
+    uint run = (girih_push.bins + lanes - 1u) / lanes;
+    uint begin = min(lane * run, girih_push.bins);
+    uint end = min(begin + run, girih_push.bins);
+    uint own = 0u;
+    for (uint digit = begin; digit < end; ++digit) {
+        own += GIRIH_AT_COUNTERS(counter_word(girih_frame.sort_block_count, digit));
     }
-    uint sum = 0u;
-    for (uint digit = 0u; digit < girih_push.bins; ++digit) {
+    sums[lane] = own;
+    barrier();
+    for (uint step = 1u; step < lanes; step *= 2u) {
+        uint before = lane >= step ? sums[lane - step] : 0u;
+        barrier();
+        sums[lane] += before;
+        barrier();
+    }
+    uint sum = sums[lane] - own;
+    for (uint digit = begin; digit < end; ++digit) {
         uint word = counter_word(girih_frame.sort_block_count, digit);
         uint count = GIRIH_AT_COUNTERS(word);
         GIRIH_AT_COUNTERS(word) = sum;
+        if (girih_frame.group_count <= girih_push.bins && digit < girih_frame.group_count) {
+            write_bounds(digit, sum, sum + count);
+        }
         sum += count;
     }
-    GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS) = sum;
+    if (lane == lanes - 1u) {
+        GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS) = sum;
+    }
 }
 
 #elif GIRIH_KERNEL == 3 && defined(GIRIH_SERIAL)
@@ -176,15 +211,18 @@ void main() {
     if (block >= girih_frame.sort_block_count) {
         return;
     }
+    uint next[GIRIH_MAX_BINS + 1u];
+    for (uint digit = 0u; digit < girih_push.bins; ++digit) {
+        next[digit] = GIRIH_AT_COUNTERS(counter_word(girih_frame.sort_block_count, digit)) + GIRIH_AT_COUNTERS(counter_word(block, digit));
+    }
     uint end = min((block + 1u) * girih_frame.sort_block, key_count());
     for (uint n = block * girih_frame.sort_block; n < end; ++n) {
         uint key = read_key(n);
+        uint digit = digit_or_none(key);
+        uint target = next[digit];
+        next[digit] = target + 1u;
         if (key != GIRIH_KEY_CULLED) {
-            uint digit = digit_of(key);
-            uint word = counter_word(block, digit);
-            uint rank = GIRIH_AT_COUNTERS(word);
-            GIRIH_AT_COUNTERS(word) = rank + 1u;
-            place(n, key, GIRIH_AT_COUNTERS(counter_word(girih_frame.sort_block_count, digit)) + rank);
+            place(n, key, target);
         }
     }
 }
@@ -234,22 +272,28 @@ void main() {
 
 #else
 
-// Begins with the groups cleared to 0, so that an empty one begins and ends at 0.
+// The first item whose group is not before `group`.
+uint lower_bound(uint group, uint items) {
+    uint low = 0u;
+    uint high = items;
+    while (low < high) {
+        uint middle = (low + high) >> 1;
+        if (GIRIH_AT_ITEMS(middle)[GIRIH_ITEM_KEY] >> 3 < group) {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
 void main() {
-    uint item = girih_invocation();
-    uint items = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
-    if (item >= items) {
+    uint group = girih_invocation();
+    if (group >= girih_frame.group_count) {
         return;
     }
-    uint group = GIRIH_AT_ITEMS(item)[GIRIH_ITEM_KEY] >> 3;
-    uint before = item == 0u ? group : GIRIH_AT_ITEMS(item - 1u)[GIRIH_ITEM_KEY] >> 3;
-    if (before != group) {
-        GIRIH_AT_GROUPS(before * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = item;
-        GIRIH_AT_GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) = item;
-    }
-    if (item + 1u == items) {
-        GIRIH_AT_GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = items;
-    }
+    uint items = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
+    write_bounds(group, lower_bound(group, items), lower_bound(group + 1u, items));
 }
 
 #endif
