@@ -110,24 +110,35 @@ Sums add_sums(Sums a, Sums b) {
                 a.chunks + b.chunks, a.groups + b.groups);
 }
 
+void write_lane(Sums sums) {
+    uint lane = gl_LocalInvocationID.x;
+    barrier();
+    lane_vertices[lane] = sums.vertices;
+    lane_triangles[lane] = sums.triangles;
+    lane_draws[lane] = sums.draws;
+    lane_chunks[lane] = sums.chunks;
+    lane_groups[lane] = sums.groups;
+    barrier();
+}
+
+Sums read_lane(uint lane) {
+    return Sums(lane_vertices[lane], lane_triangles[lane], lane_draws[lane], lane_chunks[lane], lane_groups[lane]);
+}
+
 // Sums of all lanes before this one; `total` of all.
 Sums scan_lanes(Sums own, out Sums total) {
     uint lane = gl_LocalInvocationID.x;
-    barrier();
-    lane_vertices[lane] = own.vertices;
-    lane_triangles[lane] = own.triangles;
-    lane_draws[lane] = own.draws;
-    lane_chunks[lane] = own.chunks;
-    lane_groups[lane] = own.groups;
-    barrier();
-    Sums before = Sums(uvec2(0u), uvec2(0u), 0u, 0u, 0u);
-    total = before;
-    for (uint other = 0u; other < lanes; ++other) {
-        if (other == lane) {
-            before = total;
+    write_lane(own);
+    for (uint step = 1u; step < lanes; step *= 2u) {
+        if (lane >= step) {
+            own = add_sums(own, read_lane(lane - step));
         }
-        total = add_sums(total, Sums(lane_vertices[other], lane_triangles[other], lane_draws[other],
-                                     lane_chunks[other], lane_groups[other]));
+        write_lane(own);
+    }
+    total = read_lane(lanes - 1u);
+    Sums before = Sums(uvec2(0u), uvec2(0u), 0u, 0u, 0u);
+    if (lane > 0u) {
+        before = read_lane(lane - 1u);
     }
     return before;
 }
