@@ -55,6 +55,7 @@ typedef struct girih_scene_table {
     uint32_t material_count; // the largest material and one; at least 1
     uint32_t attribute_floats;
     uint32_t seam_count; // of all meshes
+    int has_materials;   // a submesh has another material than 0, or two sides
 } girih_scene_table;
 
 // Fills the scene's arrays (VERTICES to EDGES) and the frame's material_count, attribute_floats and

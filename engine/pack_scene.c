@@ -70,6 +70,7 @@ static girih_result place_meshes(girih_scene_table *table, const girih_mesh *con
         sums->weld_edges += mesh->weld_edge_count;
         for (uint32_t part = 0; part < mesh->submesh_count; ++part) {
             uint32_t materials = mesh->submeshes[part].material + 1;
+            table->has_materials |= materials > 1 || mesh->submeshes[part].two_sided;
             table->material_count =
                 materials > table->material_count ? materials : table->material_count;
         }

@@ -30,7 +30,7 @@ static uint32_t variant_mask(uint32_t shader) {
     case GIRIH_SHADER_select_flat:
     case GIRIH_SHADER_select_pn:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_CULL |
-               GIRIH_VARIANT_DYNAMIC;
+               GIRIH_VARIANT_DYNAMIC | GIRIH_VARIANT_MATERIALS;
     case GIRIH_SHADER_evaluate_patches_flat:
     case GIRIH_SHADER_evaluate_patches_pn:
     case GIRIH_SHADER_evaluate_points_flat:

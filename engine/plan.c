@@ -236,7 +236,8 @@ static girih_result prepare(girih_plan *plan, const girih_plan_desc *desc,
                     (frame->attribute_floats ? GIRIH_VARIANT_ATTRIBUTES : 0) |
                     (plan->mode == GIRIH_MODE_WELDED ? GIRIH_VARIANT_WELDED : 0) |
                     (plan->scene->dynamic ? GIRIH_VARIANT_DYNAMIC : 0) |
-                    (shape.previous ? GIRIH_VARIANT_PREVIOUS : 0);
+                    (shape.previous ? GIRIH_VARIANT_PREVIOUS : 0) |
+                    (plan->scene->table.has_materials ? GIRIH_VARIANT_MATERIALS : 0);
     frame->variant = plan->variant;
     if (result == GIRIH_OK) {
         result = girih_plan_find_needs(plan, desc, needs, error);

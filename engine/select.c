@@ -9,5 +9,5 @@ uint32_t girih_select_shader(const girih_plan *plan) {
 void girih_record_select(const girih_plan *plan, VkCommandBuffer commands) {
     girih_bind_pipeline(plan, commands, girih_select_shader(plan),
                         plan->arrays.frame.cull ? GIRIH_VARIANT_CULL : 0);
-    girih_dispatch_invocations(plan, commands, plan->arrays.frame.triangle_count, GIRIH_WORKGROUP);
+    girih_dispatch_invocations(plan, commands, plan->arrays.frame.triangle_count, GIRIH_LARGE_WORKGROUP);
 }

@@ -2,6 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
+#include "shared.h"
+#define GIRIH_LOCAL_SIZE GIRIH_LARGE_WORKGROUP
 #include "scene.glsl"
 #include "level_rules.glsl"
 

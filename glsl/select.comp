@@ -2,6 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
+#include "shared.h"
+#define GIRIH_LOCAL_SIZE GIRIH_LARGE_WORKGROUP
 #include "girih_permutation.h"
 #include "pn_edges.glsl"
 
@@ -148,7 +150,7 @@ void main() {
     uint instance = girih_find_instance(triangle, GIRIH_INSTANCE_FIRST_TRIANGLE, girih_frame.triangle_blocks);
     uint scene_triangle = triangle - girih_instance(instance, GIRIH_INSTANCE_TRIANGLE_DELTA);
     uint edge_delta = girih_instance(instance, GIRIH_INSTANCE_EDGE_DELTA);
-    uint material = GIRIH_AT_TRIANGLE_MATERIALS(scene_triangle);
+    uint material = girih_has(GIRIH_VARIANT_MATERIALS) ? GIRIH_AT_TRIANGLE_MATERIALS(scene_triangle) : 0u;
     uint edges[3];
     for (uint n = 0u; n < 3u; ++n) {
         edges[n] = GIRIH_AT_TRIANGLE_EDGES(3u * scene_triangle + n);

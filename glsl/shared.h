@@ -239,6 +239,7 @@
 #define GIRIH_VARIANT_RULE_SHIFT 5u     // levels: the rule, 3 bits
 #define GIRIH_VARIANT_DYNAMIC 256u      // the host moves the vertices: positions are read through POINTS
 #define GIRIH_VARIANT_PREVIOUS 512u     // the previous frame's positions are written too
+#define GIRIH_VARIANT_MATERIALS 1024u   // not every triangle of the scene has material 0 and one side
 
 // --- Modes and workgroups -----------------------------------------------------------------------------
 #define GIRIH_OUTPUT_INSTANCED 0u
@@ -250,6 +251,7 @@
 #define GIRIH_OUTPUT_BIT_SOURCES 4u
 
 #define GIRIH_WORKGROUP 64
+#define GIRIH_LARGE_WORKGROUP 128       // of the stages that do little for each edge or triangle
 #define GIRIH_MAX_BIN_BITS 9u
 #define GIRIH_MAX_BINS 512u             // of one pass of the sort
 #define GIRIH_MAX_SORT_BLOCK 1024u      // keys of one block of the sort
