@@ -4,13 +4,13 @@
 void girih_record_weld(const girih_plan *plan, VkCommandBuffer commands) {
     const girih_frame_block *frame = &plan->arrays.frame;
     girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_weld_blocks, 0);
-    girih_dispatch_invocations(plan, commands, frame->scan_block_count, GIRIH_WORKGROUP);
+    girih_dispatch_invocations(plan, commands, frame->scan_block_count, GIRIH_SCAN_WORKGROUP);
     girih_compute_barrier(plan->context, commands);
     girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_weld_sums, 0);
-    girih_dispatch_invocations(plan, commands, 1, GIRIH_WORKGROUP);
+    girih_dispatch_invocations(plan, commands, 1, GIRIH_LARGE_WORKGROUP);
     girih_compute_barrier(plan->context, commands);
     girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_weld_offsets, 0);
-    girih_dispatch_invocations(plan, commands, frame->scan_block_count, GIRIH_WORKGROUP);
+    girih_dispatch_invocations(plan, commands, frame->scan_block_count, GIRIH_SCAN_WORKGROUP);
 }
 
 void girih_record_output(const girih_plan *plan, VkCommandBuffer commands) {

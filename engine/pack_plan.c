@@ -242,7 +242,7 @@ static void choose_sort(girih_arrays *arrays, int serial_sort) {
     frame->sort_block_count =
         (uint32_t)girih_ceiling_quotient(frame->triangle_count, frame->sort_block);
     frame->scan_block_count =
-        (uint32_t)girih_ceiling_quotient(frame->weld_edge_count, GIRIH_MAX_SORT_BLOCK);
+        (uint32_t)girih_ceiling_quotient(frame->weld_edge_count, GIRIH_SCAN_BLOCK);
     const uint64_t items = (uint64_t)frame->triangle_count * GIRIH_ITEM_WORDS;
     arrays->count[GIRIH_BIND_ITEMS] = at_least(items, 1);
     arrays->count[GIRIH_BIND_ITEMS_SPARE] = passes > 1 ? at_least(items, 1) : 1;

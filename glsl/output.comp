@@ -1,9 +1,15 @@
 // Stage 6: index buffers of the baked and welded modes (GIRIH_KERNEL 0), and before them the numbers
 // of the welded vertices inside shared edges: sums of blocks (1), of all blocks (2), of every weld edge
-// (3), one lane a block.
+// (3). One lane a block, and in (2) one workgroup.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
+#include "shared.h"
+#if GIRIH_KERNEL == 2
+#define GIRIH_LOCAL_SIZE GIRIH_LARGE_WORKGROUP
+#elif GIRIH_KERNEL != 0
+#define GIRIH_LOCAL_SIZE GIRIH_SCAN_WORKGROUP
+#endif
 #include "patch.glsl"
 
 #if GIRIH_KERNEL == 0
@@ -86,9 +92,9 @@ void main() {
     if (block >= girih_frame.scan_block_count) {
         return;
     }
-    uint end = min((block + 1u) * GIRIH_MAX_SORT_BLOCK, girih_frame.weld_edge_count);
+    uint end = min((block + 1u) * GIRIH_SCAN_BLOCK, girih_frame.weld_edge_count);
     uint low = 0u;
-    for (uint n = block * GIRIH_MAX_SORT_BLOCK; n < end; ++n) {
+    for (uint n = block * GIRIH_SCAN_BLOCK; n < end; ++n) {
         low += inner_vertices(n);
     }
     GIRIH_AT_COUNTERS(block) = low;
@@ -96,24 +102,46 @@ void main() {
 
 #elif GIRIH_KERNEL == 2
 
+const uint lanes = gl_WorkGroupSize.x;
+shared uvec2 sums[lanes];
+
+// Counts that may pass 2^32 are carried as (low, high).
+uvec2 add_wide(uvec2 a, uvec2 b) {
+    uint carry;
+    uint low = uaddCarry(a.x, b.x, carry);
+    return uvec2(low, a.y + b.y + carry);
+}
+
+// Each lane sums a run of blocks, the sums of the lanes before it are added, and it walks its run again
+// to write: at most 2^15 turns.
 void main() {
-    if (gl_LocalInvocationID.x != 0u) {
-        return;
+    uint lane = gl_LocalInvocationID.x;
+    uint run = (girih_frame.scan_block_count + lanes - 1u) / lanes;
+    uint begin = min(lane * run, girih_frame.scan_block_count);
+    uint end = min(begin + run, girih_frame.scan_block_count);
+    uvec2 sum = uvec2(0u);
+    for (uint block = begin; block < end; ++block) {
+        sum = add_wide(sum, uvec2(GIRIH_AT_COUNTERS(block), 0u));
     }
-    uint low = 0u;
-    uint high = 0u;
-    for (uint first = 0u; first < girih_frame.scan_block_count; first += 32768u) {
-        uint end = min(first + 32768u, girih_frame.scan_block_count);
-        for (uint block = first; block < end; ++block) {
-            uint count = GIRIH_AT_COUNTERS(block);
-            GIRIH_AT_COUNTERS(block) = low;
-            uint carry;
-            low = uaddCarry(low, count, carry);
-            high += carry;
-        }
+    sums[lane] = sum;
+    barrier();
+    for (uint step = 1u; step < lanes; step *= 2u) {
+        uvec2 before = lane >= step ? sums[lane - step] : uvec2(0u);
+        barrier();
+        sums[lane] = add_wide(sums[lane], before);
+        barrier();
     }
-    GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES) = low;
-    GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES + 1u) = high;
+    // Offsets count where the frame fits 32 bits; else it is drawn at level 0.
+    uint offset = lane > 0u ? sums[lane - 1u].x : 0u;
+    for (uint block = begin; block < end; ++block) {
+        uint count = GIRIH_AT_COUNTERS(block);
+        GIRIH_AT_COUNTERS(block) = offset;
+        offset += count;
+    }
+    if (lane == lanes - 1u) {
+        GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES) = sums[lane].x;
+        GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES + 1u) = sums[lane].y;
+    }
 }
 
 #else
@@ -123,9 +151,9 @@ void main() {
     if (block >= girih_frame.scan_block_count) {
         return;
     }
-    uint end = min((block + 1u) * GIRIH_MAX_SORT_BLOCK, girih_frame.weld_edge_count);
+    uint end = min((block + 1u) * GIRIH_SCAN_BLOCK, girih_frame.weld_edge_count);
     uint sum = GIRIH_AT_COUNTERS(block);
-    for (uint n = block * GIRIH_MAX_SORT_BLOCK; n < end; ++n) {
+    for (uint n = block * GIRIH_SCAN_BLOCK; n < end; ++n) {
         GIRIH_AT_WELD_OFFSETS(n) = sum;
         sum += inner_vertices(n);
     }

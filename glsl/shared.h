@@ -196,7 +196,7 @@
     UINT output_mode; \
     UINT sort_block;         /* keys of one block of the sort */ \
     UINT sort_block_count; \
-    UINT scan_block_count;   /* blocks of GIRIH_MAX_SORT_BLOCK weld edges */ \
+    UINT scan_block_count;   /* blocks of GIRIH_SCAN_BLOCK weld edges */ \
     UINT max_vertices; \
     UINT max_triangles; \
     UINT draws_per_material; /* 0: none */ \
@@ -255,6 +255,8 @@
 #define GIRIH_MAX_BIN_BITS 9u
 #define GIRIH_MAX_BINS 512u             // of one pass of the sort
 #define GIRIH_MAX_SORT_BLOCK 1024u      // keys of one block of the sort
+#define GIRIH_SCAN_BLOCK 256u           // weld edges of one block of their scan
+#define GIRIH_SCAN_WORKGROUP 32         // blocks to a workgroup of the scan
 
 // --- Patches: what the instanced mode's vertex shader reads for each triangle --------------------------
 //
