@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
 """Models to look around in, and what holds for their panoramas. Needs nothing but Python.
-Usage: panorama.py room FILE.gltf | ring TEAPOT.glb FILE.glb | covered PNG | closed PNG | turned PNG PNG COLUMNS PERMILLE"""
+Usage: panorama.py room FILE.gltf | ring TEAPOT.glb FILE.glb | covered PNG | closed PNG | turned PNG PNG COLUMNS PERMILLE |
+corners PNG X Y Z"""
 import base64
 import json
 import math
 import struct
 import sys
 import zlib
+
+
+SIZE = (3.0, 1.5, 4.0)  # of the room, half
 
 
 def write_room(path):
@@ -26,7 +30,7 @@ def write_room(path):
                 p, n = [0.0] * 3, [0.0] * 3
                 p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3] = side, a * side, b
                 n[axis] = -side
-                vertex(tuple(x * s for x, s in zip(p, (3.0, 1.5, 4.0))), tuple(n))
+                vertex(tuple(x * s for x, s in zip(p, SIZE)), tuple(n))
             indices += [first + k for k in (0, 2, 1, 0, 3, 2)]
     first, columns, rows = len(positions), 12, 8
     for row in range(rows + 1):
@@ -153,9 +157,30 @@ def turned(first, second, columns, permille):
     assert 1000 * differs <= permille * width * height, 'turning is not shifting'
 
 
+def corners(path, x, y, z):
+    """Where the room's walls meet, in normals' colours as seen from a point, looking along -z: across the picture by
+    the angle, and up it by height over distance, pixels being square on the horizon."""
+    rows = read_png(path)
+    width, height = len(rows[0]), len(rows)
+    per_radian = width / (2.0 * math.pi)
+    found = [n for n in range(1, width) if difference(rows[height // 2][n], rows[height // 2][n - 1]) > 30]
+    wanted = [width / 2 + per_radian * math.atan2(a * SIZE[0] - x, z - b * SIZE[2]) for a in (-1, 1) for b in (-1, 1)]
+    for column in wanted:
+        assert any(abs(n - column) <= 1.0 for n in found), 'no corner at column %.1f, but %s' % (column, found)
+    for n in found:
+        assert any(abs(n - column) <= 1.0 for column in wanted), 'a corner at column %d, not %s' % (n, wanted)
+    middle = [row[width // 2] for row in rows]
+    found = [n for n in range(1, height) if difference(middle[n], middle[n - 1]) > 30]
+    wanted = [height / 2 - per_radian * (a * SIZE[1] - y) / (z + SIZE[2]) for a in (1, -1)]
+    assert len(found) in (2, 3, 4) and all(any(abs(n - row) <= 1.0 for n in found) for row in wanted) and \
+        all(any(abs(n - row) <= 1.0 for row in wanted) for n in found), 'rows %s, not %s' % (found, wanted)
+
+
 if __name__ == '__main__':
     arguments = sys.argv[2:]
     if sys.argv[1] == 'turned':
         arguments[2:] = [int(number) for number in arguments[2:]]
+    elif sys.argv[1] == 'corners':
+        arguments[1:] = [float(number) for number in arguments[1:]]
     {'room': write_room, 'ring': write_ring, 'covered': covered, 'closed': closed,
-     'turned': turned}[sys.argv[1]](*arguments)
+     'turned': turned, 'corners': corners}[sys.argv[1]](*arguments)
