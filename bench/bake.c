@@ -5,7 +5,7 @@
 // Only the work of a frame counts: memory is there and was touched before. For girih that includes
 // recording, submission and the wait; for the twin its six stages; for Bfr neither the levels (the
 // rates are handed over) nor the sizes of its output.
-#include "bake.h"
+#include "bench.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -348,7 +348,10 @@ static girih_result run_case(case_state *s, const struct sphere_case *c, uint32_
     return GIRIH_OK;
 }
 
-girih_result bench_bake(girih_device *device, uint32_t pairs, json_t *list, girih_error *error) {
+girih_result bench_bake(const bench_run *run, girih_error *error) {
+    girih_device *device = run->device;
+    const uint32_t pairs = run->pairs;
+    json_t *list = run->cases;
     girih_result result = GIRIH_OK;
     for (size_t n = 0; n < sizeof cases / sizeof *cases && result == GIRIH_OK; ++n) {
         case_state state = {.device = device};

@@ -1,6 +1,6 @@
 // The case `scaling`: what a frame costs by its input and by its output, stage by stage, and the
 // memory both take. Levels to output of the baked mode, without a draw.
-#include "scaling.h"
+#include "bench.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -313,7 +313,10 @@ static girih_result run_row(girih_device *device, const scaling_state *s, size_t
     return result;
 }
 
-girih_result bench_scaling(girih_device *device, uint32_t runs, json_t *list, girih_error *error) {
+girih_result bench_scaling(const bench_run *run, girih_error *error) {
+    girih_device *device = run->device;
+    const uint32_t runs = run->pairs;
+    json_t *list = run->cases;
     scaling_samples *samples = malloc(sizeof *samples);
     if (!samples) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
