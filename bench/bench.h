@@ -31,6 +31,12 @@ girih_result bench_mesh_allocate(bench_mesh *mesh, uint32_t vertex_count, uint32
 void bench_mesh_free(bench_mesh *mesh);
 // A unit sphere of 20 * 4^halvings triangles.
 girih_result bench_sphere(uint32_t halvings, bench_mesh *mesh, girih_error *error);
+// Closed, by latitude and longitude: 2 * slices * (stacks - 1) triangles.
+girih_result bench_ellipsoid(uint32_t slices, uint32_t stacks, const float radii[3],
+                             bench_mesh *mesh, girih_error *error);
+// Closed: 2 * slices * sides triangles.
+girih_result bench_torus(uint32_t slices, uint32_t sides, float radius, float thickness,
+                         bench_mesh *mesh, girih_error *error);
 
 #define BENCH_FRAMES 64u
 
@@ -90,5 +96,6 @@ girih_result bench_instances(const bench_run *run, girih_error *error);
 // run->pairs frames whose levels change, for a triangle of the input and of the output; and the
 // memory it takes. Times by stage are 0 where the queue has no timestamps.
 girih_result bench_scaling(const bench_run *run, girih_error *error);
+girih_result bench_table3(const bench_run *run, girih_error *error);
 
 #endif

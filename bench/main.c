@@ -30,6 +30,7 @@ static const struct bench_case {
     {"conditions", "few groups or many, views that move or stand, surfaces", bench_conditions},
     {"bake", "bake-only throughput, against the CPU twin and OpenSubdiv's Bfr", bench_bake},
     {"scaling", "time and memory of a triangle, by input and output", bench_scaling},
+    {"table3", "ARKFPI's Table 3: its 19 input and output sizes, against ARK", bench_table3},
 };
 #define CASE_COUNT (sizeof cases / sizeof *cases)
 

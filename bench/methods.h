@@ -6,6 +6,10 @@
 
 extern const bench_method bench_static;
 
+// One draw a triangle.
+extern const bench_method bench_ark; // patterns chosen on the CPU
+extern const bench_method bench_arp; // patterns chosen on the GPU and read back
+
 // girih itself: all stages and the draw, each frame.
 extern const bench_method bench_girih; // the mode that it chooses
 extern const bench_method bench_girih_baked;
