@@ -274,8 +274,3 @@ void bench_bind_layout(const bench_target *target, VkCommandBuffer commands,
     vkCmdBindDescriptorSets(commands, bind_point, layout->layout, 0, layout->set ? 2 : 1, sets, 0,
                             NULL);
 }
-
-void bench_push_constants(const bench_target *target, VkCommandBuffer commands,
-                          const bench_layout *layout, const void *bytes, uint32_t count) {
-    vkCmdPushConstants(commands, layout->layout, bench_view_stages(target), 0, count, bytes);
-}

@@ -270,7 +270,7 @@ static girih_result measure_row(const bench_run *run, bench_target *target, size
                                 const bench_mesh *mesh, const choice *c, const char *what,
                                 girih_error *error) {
     char name[64];
-    snprintf(name, sizeof name, "table3 row %zu: %u to %u", row + 1, rows[row].in, rows[row].out);
+    snprintf(name, sizeof name, "table3 row %zu, %u to %u", row + 1, rows[row].in, rows[row].out);
     bench_case_job job = {0};
     json_t *figures = json_object();
     const bench_job_desc desc = {.name = name,

@@ -68,10 +68,6 @@ void bench_layout_destroy(const bench_target *target, bench_layout *layout);
 void bench_bind_layout(const bench_target *target, VkCommandBuffer commands,
                        const bench_layout *layout, VkPipelineBindPoint bind_point);
 
-// Push constants of a layout, from its first byte on.
-void bench_push_constants(const bench_target *target, VkCommandBuffer commands,
-                          const bench_layout *layout, const void *bytes, uint32_t count);
-
 girih_result bench_compute_pipeline_create(const bench_target *target, bench_shader shader,
                                            VkPipelineLayout layout, VkPipeline *pipeline,
                                            girih_error *error);

@@ -6,6 +6,7 @@
 #include "cpu_levels.h"
 #include "error.h"
 #include "girih_permutation.h"
+#include "target_private.h"
 
 #include "bench_shaders.h"
 
@@ -170,6 +171,24 @@ static girih_result make_uniforms(bench_adaptive *a, const float *positions, con
     return GIRIH_OK;
 }
 
+// The view, and push constants for the vertex stage alone: a driver takes them up again for every
+// stage that they are declared for, with every draw.
+static girih_result create_layout(const bench_target *target, bench_layout *layout,
+                                  girih_error *error) {
+    const VkPushConstantRange push = {.stageFlags = VK_SHADER_STAGE_VERTEX_BIT,
+                                      .size = sizeof(bench_triangle_uniforms)};
+    const VkPipelineLayoutCreateInfo info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                             .setLayoutCount = 1,
+                                             .pSetLayouts = &target->view_layout,
+                                             .pushConstantRangeCount = 1,
+                                             .pPushConstantRanges = &push};
+    const VkResult result =
+        vkCreatePipelineLayout(target->device->device, &info, NULL, &layout->layout);
+    return result == VK_SUCCESS
+               ? GIRIH_OK
+               : girih_vulkan_failure(error, "creating the triangles' pipeline layout", result);
+}
+
 girih_result bench_adaptive_create(const bench_job *job, const float *positions,
                                    const float *normals, const uint32_t *indices,
                                    uint32_t triangle_count, bench_adaptive *adaptive,
@@ -180,8 +199,7 @@ girih_result bench_adaptive_create(const bench_job *job, const float *positions,
         result = make_uniforms(adaptive, positions, normals, indices, error);
     }
     if (result == GIRIH_OK) {
-        result = bench_layout_create(job->target, NULL, 0, sizeof(bench_triangle_uniforms),
-                                     &adaptive->layout, error);
+        result = create_layout(job->target, &adaptive->layout, error);
     }
     if (result == GIRIH_OK) {
         static const VkVertexInputBindingDescription binding = {0, 4, 0};
@@ -222,6 +240,7 @@ void bench_adaptive_draw(const bench_adaptive *adaptive, VkCommandBuffer command
                          bench_raster raster, const uint32_t *selected) {
     const bench_job *job = adaptive->job;
     const VkDeviceSize offset = 0;
+    const VkPipelineLayout layout = adaptive->layout.layout;
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, adaptive->pipelines[raster]);
     bench_bind_layout(job->target, commands, &adaptive->layout, VK_PIPELINE_BIND_POINT_GRAPHICS);
     vkCmdBindVertexBuffers(commands, 0, 1, &adaptive->vertices.buffer, &offset);
@@ -232,8 +251,8 @@ void bench_adaptive_draw(const bench_adaptive *adaptive, VkCommandBuffer command
     for (uint32_t n = 0; n < adaptive->triangle_count; ++n) {
         if (selected[n] != BENCH_HIDDEN) {
             const bench_pattern_draw *draw = &adaptive->patterns.draws[selected[n]];
-            bench_push_constants(job->target, commands, &adaptive->layout, &adaptive->triangles[n],
-                                 sizeof *adaptive->triangles);
+            vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_VERTEX_BIT, 0,
+                               sizeof *adaptive->triangles, &adaptive->triangles[n]);
             vkCmdDrawIndexed(commands, draw->index_count, 1, draw->first_index, draw->first_vertex,
                              0);
         }

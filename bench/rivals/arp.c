@@ -55,7 +55,7 @@ static girih_result create(const bench_job *job, int variant, void **state, giri
     if (result == GIRIH_OK) {
         const VkBuffer buffers[3] = {job->vertex_buffer.buffer, job->index_buffer.buffer,
                                      s->selected.buffer};
-        result = bench_layout_create(job->target, buffers, 3, sizeof(uint32_t), &s->layout, error);
+        result = bench_layout_create(job->target, buffers, 3, 0, &s->layout, error);
     }
     if (result == GIRIH_OK) {
         result = bench_compute_pipeline_create(
@@ -81,8 +81,6 @@ static girih_result ahead(void *state, girih_error *error) {
     }
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, s->pipeline);
     bench_bind_layout(job->target, commands, &s->layout, VK_PIPELINE_BIND_POINT_COMPUTE);
-    bench_push_constants(job->target, commands, &s->layout, &job->triangle_count,
-                         sizeof job->triangle_count);
     vkCmdDispatch(commands, (job->triangle_count + 63) / 64, 1, 1);
     const VkMemoryBarrier written = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                      .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT,

@@ -15,9 +15,6 @@ layout(std430, set = 1, binding = 1) readonly buffer Indices {
 layout(std430, set = 1, binding = 2) writeonly buffer Selected {
     uint selected[];
 };
-layout(push_constant) uniform Size {
-    uint triangle_count;
-};
 
 vec3 position(uint vertex) {
     return vec3(vertices[6u * vertex], vertices[6u * vertex + 1u], vertices[6u * vertex + 2u]);
@@ -25,7 +22,7 @@ vec3 position(uint vertex) {
 
 void main() {
     uint triangle = gl_GlobalInvocationID.x;
-    if (triangle >= triangle_count) {
+    if (triangle >= uint(indices.length()) / 3u) {
         return;
     }
     vec3 p1 = position(indices[3u * triangle]);
