@@ -16,14 +16,15 @@
 #define SMALL_PATTERN 48u
 
 // Two builds of the same code, chosen when it runs. GCC misaligns wide vectors on Windows' stacks.
-// AVX2 has no fused multiply-add, so both round alike.
-#if defined(__GNUC__) && defined(__x86_64__) && !defined(_WIN32)
-#define FLATTEN __attribute__((flatten))
-#define FLATTEN_AVX2 __attribute__((flatten, target("avx2")))
-#elif defined(__GNUC__)
-#define FLATTEN __attribute__((flatten))
-#else
+// AVX2 has no fused multiply-add, so both round alike. Sanitizers check every access of what is
+// flattened, which takes GCC many minutes: their builds call the functions instead.
+#if !defined(__GNUC__) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define FLATTEN
+#else
+#define FLATTEN __attribute__((flatten))
+#if defined(__x86_64__) && !defined(_WIN32)
+#define FLATTEN_AVX2 __attribute__((flatten, target("avx2")))
+#endif
 #endif
 
 // The vectors of a girih_patch; a flat one has the first six.
