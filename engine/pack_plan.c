@@ -9,8 +9,9 @@
 // A key is a group's number and three bits of lambda, and GROUPS is numbered by words of 32 bits.
 #define MAX_GROUPS (UINT64_C(1) << 28)
 #define MIN_SORT_BLOCK 128u
-// As many blocks as keep all lanes of a device busy in the sort where one lane walks a block.
-#define SORT_BLOCKS_WANTED 512u
+// As many blocks as keep the lanes of a CPU device busy where one lane walks a block. Each has
+// counters of its own, so more of them cost more than they save.
+#define SORT_BLOCKS_WANTED 128u
 #define MAX_INSTANCES (UINT32_MAX / GIRIH_INSTANCE_WORDS - 1)
 
 // --- Transforms --------------------------------------------------------------------------------
