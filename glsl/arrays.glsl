@@ -139,6 +139,8 @@ GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_DRAWS, GirihDraws, girih_draws)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_WELD_OFFSETS, GirihWeldOffsets, girih_weld_offsets)
 GIRIH_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_POSITIONS, GirihOutPositions, girih_out_positions)
 GIRIH_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_ATTRIBUTES, GirihOutAttributes, girih_out_attributes)
+GIRIH_PAIR_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_POSITIONS, GirihOutPositionPairs, girih_out_position_pairs)
+GIRIH_PAIR_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_ATTRIBUTES, GirihOutAttributePairs, girih_out_attribute_pairs)
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_INDICES, GirihOutIndices, girih_out_indices)
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_CLOSED_INDICES, GirihOutClosedIndices, girih_out_closed_indices)
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, girih_out_sources)
@@ -160,6 +162,8 @@ GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, girih_o
 #define GIRIH_AT_WELD_OFFSETS(I) girih_weld_offsets GIRIH_AT(GIRIH_BIND_WELD_OFFSETS, I)
 #define GIRIH_AT_OUT_POSITIONS(I) girih_out_positions[I]
 #define GIRIH_AT_OUT_ATTRIBUTES(I) girih_out_attributes[I]
+#define GIRIH_AT_OUT_POSITION_PAIRS(I) girih_out_position_pairs[I]
+#define GIRIH_AT_OUT_ATTRIBUTE_PAIRS(I) girih_out_attribute_pairs[I]
 #define GIRIH_AT_OUT_INDICES(I) girih_out_indices[I]
 #define GIRIH_AT_OUT_CLOSED_INDICES(I) girih_out_closed_indices[I]
 #define GIRIH_AT_OUT_SOURCES(I) girih_out_sources[I]

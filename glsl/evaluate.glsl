@@ -79,23 +79,41 @@ void main() {
 
 #else
 
-bool girih_in_window(uint vertex) {
-    return vertex - girih_push.window_first < girih_push.window_count;
+// What is the same for all invocations. Read where all of them still go the same way (girih_begin), where a
+// CPU device reads it once and not lane by lane.
+uint girih_window_first;
+uint girih_window_count;
+uint girih_stride;
+
+void girih_begin() {
+    girih_window_first = girih_push.window_first;
+    girih_window_count = girih_push.window_count;
+    girih_stride = girih_frame.attribute_stride;
 }
 
+bool girih_in_window(uint vertex) {
+    return vertex - girih_window_first < girih_window_count;
+}
+
+// Three words of an output from `word` on, as a pair and a single one: every store costs a CPU device, and a
+// vertex of three words begins at an even word or ends at one.
+#define GIRIH_WRITE_VECTOR(AT, AT_PAIR, WORD, V) \
+    { \
+        uint girih_word = (WORD); \
+        bool girih_even = (girih_word & 1u) == 0u; \
+        AT_PAIR((girih_word + 1u) >> 1) = floatBitsToUint(girih_even ? (V).xy : (V).yz); \
+        AT(girih_even ? girih_word + 2u : girih_word) = floatBitsToUint(girih_even ? (V).z : (V).x); \
+    }
+
 void girih_write_position(uint vertex, vec3 position) {
-    uint word = (vertex - girih_push.window_first) * 3u;
-    GIRIH_AT_OUT_POSITIONS(word) = floatBitsToUint(position.x);
-    GIRIH_AT_OUT_POSITIONS(word + 1u) = floatBitsToUint(position.y);
-    GIRIH_AT_OUT_POSITIONS(word + 2u) = floatBitsToUint(position.z);
+    GIRIH_WRITE_VECTOR(GIRIH_AT_OUT_POSITIONS, GIRIH_AT_OUT_POSITION_PAIRS,
+                       (vertex - girih_window_first) * 3u, position)
 }
 
 // `first`: a word of the vertex's record.
 void girih_write_attribute_vector(uint vertex, uint first, vec3 v) {
-    uint word = (vertex - girih_push.window_first) * girih_frame.attribute_stride + first;
-    GIRIH_AT_OUT_ATTRIBUTES(word) = floatBitsToUint(v.x);
-    GIRIH_AT_OUT_ATTRIBUTES(word + 1u) = floatBitsToUint(v.y);
-    GIRIH_AT_OUT_ATTRIBUTES(word + 2u) = floatBitsToUint(v.z);
+    GIRIH_WRITE_VECTOR(GIRIH_AT_OUT_ATTRIBUTES, GIRIH_AT_OUT_ATTRIBUTE_PAIRS,
+                       (vertex - girih_window_first) * girih_stride + first, v)
 }
 
 // Linear interpolation, each side of a seam with its own: `vertices` and weights in the same order.
@@ -105,7 +123,7 @@ void girih_write_attributes(uint vertex, uint vertices[3], vec3 b) {
     }
     for (uint a = 0u; a < girih_frame.attribute_floats; ++a) {
         float value = girih_scene_attribute(vertices, a, b);
-        GIRIH_AT_OUT_ATTRIBUTES((vertex - girih_push.window_first) * girih_frame.attribute_stride + 3u + a) =
+        GIRIH_AT_OUT_ATTRIBUTES((vertex - girih_window_first) * girih_stride + 3u + a) =
             floatBitsToUint(girih_no_negative_zero(value));
     }
 }
@@ -118,8 +136,65 @@ uvec3 girih_pattern_weights(uint n) {
     return uvec3(u, v, 32768u - u - v);
 }
 
+#if GIRIH_SURFACE != 2
+
+// One vertex of a triangle with the corners `vertices`.
+void girih_write_point(uint vertex, uint vertices[3], vec3 barycentric, vec3 position, vec3 normal) {
+    girih_write_position(vertex, position);
+    girih_write_attribute_vector(vertex, 0u, normal);
+    girih_write_attributes(vertex, vertices, barycentric);
+}
+
+// There is no way out before the end, and what can be is done outside of all branches: a CPU device walks
+// through them anyway, and reads what is the same for all lanes only once where all of them are there.
 void main() {
     bool overflow = girih_overflow();
+    girih_begin();
+    uint number;
+    uint chunk;
+    bool there = girih_work(girih_interleaved_invocation(), number, chunk);
+    GirihItem item = girih_read_item(number, overflow);
+    uvec4 work = girih_group_work(item.group);
+    uint count = work[0];
+    uint begin = chunk * GIRIH_CHUNK_VERTICES;
+    uint end = there ? min(begin + GIRIH_CHUNK_VERTICES, count) : 0u;
+    uint pattern_vertex = work[GIRIH_GROUP_PATTERN_VERTEX - GIRIH_GROUP_VERTICES];
+    uint first = work[GIRIH_GROUP_BASE_VERTEX - GIRIH_GROUP_VERTICES] + number * count;
+    bool welded = girih_has(GIRIH_VARIANT_WELDED);
+    uint vertices[3];
+    girih_item_vertices(item, vertices);
+    GirihWeld weld;
+    if (welded) {
+        weld = girih_item_weld(item, vertices, false);
+    }
+    GirihPatch p = girih_item_patch(item, vertices);
+    // The corners need no formula.
+    vec3 corners[3] = vec3[3](p.b300, p.b030, p.b003);
+    vec3 normals[3] = vec3[3](p.n200, p.n020, p.n002);
+    for (uint n = 0u; n < 3u; ++n) {
+        uint vertex = welded ? weld.corners[n] : first + n;
+        if (begin == 0u && end != 0u && girih_in_window(vertex)) {
+            girih_write_point(vertex, vertices, vec3(n == 0u, n == 1u, n == 2u), girih_no_negative_zero(corners[n]),
+                              girih_no_negative_zero(girih_normalize(normals[n])));
+        }
+    }
+    uint n = max(begin, 3u);
+    do {
+        uint vertex = welded ? girih_weld_vertex(weld, n) : first + n;
+        if (n < end && girih_in_window(vertex)) {
+            vec3 b = girih_barycentric(girih_pattern_weights(pattern_vertex + n));
+            girih_write_point(vertex, vertices, b, girih_patch_position(p, b.x, b.y, b.z),
+                              girih_patch_unit_normal(p, b.x, b.y, b.z));
+        }
+        ++n;
+    } while (n < end);
+}
+
+#else
+
+void main() {
+    bool overflow = girih_overflow();
+    girih_begin();
     uint number;
     uint chunk;
     if (!girih_work(girih_interleaved_invocation(), number, chunk)) {
@@ -132,8 +207,8 @@ void main() {
     uint end = min(begin + GIRIH_CHUNK_VERTICES, count);
     uint first = work[GIRIH_GROUP_BASE_VERTEX - GIRIH_GROUP_VERTICES] + number * count;
     bool welded = girih_has(GIRIH_VARIANT_WELDED);
-    if (!welded && (first + end <= girih_push.window_first ||
-                    first + begin >= girih_push.window_first + girih_push.window_count)) {
+    if (!welded && (first + end <= girih_window_first ||
+                    first + begin >= girih_window_first + girih_window_count)) {
         return;
     }
     uint vertices[3];
@@ -143,7 +218,6 @@ void main() {
         weld = girih_item_weld(item, vertices, false);
     }
     uint pattern_vertex = work[GIRIH_GROUP_PATTERN_VERTEX - GIRIH_GROUP_VERTICES];
-#if GIRIH_SURFACE == 2
     GirihPatch patch_ = girih_own_patch(item.scene_triangle, item.instance, false);
     for (uint n = begin; n < end; ++n) {
         uint vertex = welded ? girih_weld_vertex(weld, n) : first + n;
@@ -177,20 +251,9 @@ void main() {
             }
         }
     }
-#else
-    GirihPatch p = girih_item_patch(item, vertices);
-    for (uint n = begin; n < end; ++n) {
-        uint vertex = welded ? girih_weld_vertex(weld, n) : first + n;
-        if (!girih_in_window(vertex)) {
-            continue;
-        }
-        vec3 b = girih_barycentric(girih_pattern_weights(pattern_vertex + n));
-        girih_write_position(vertex, girih_patch_position(p, b.x, b.y, b.z));
-        girih_write_attribute_vector(vertex, 0u, girih_patch_unit_normal(p, b.x, b.y, b.z));
-        girih_write_attributes(vertex, vertices, b);
-    }
-#endif
 }
+
+#endif
 
 #endif
 #endif

@@ -30,10 +30,9 @@ void main() {
     }
     GirihItem item = girih_read_item(number, overflow);
     uint count = girih_pattern(item.rank, GIRIH_PATTERN_TRIANGLES);
-    uint chunks = girih_pattern(item.rank, GIRIH_PATTERN_CHUNKS);
-    uint share = (count + chunks - 1u) / chunks;
-    uint begin = chunk * share;
-    uint end = min(begin + share, count);
+    // A pattern has less than twice as many triangles as vertices (Euler).
+    uint begin = min(chunk * 2u * GIRIH_CHUNK_VERTICES, count);
+    uint end = min(begin + 2u * GIRIH_CHUNK_VERTICES, count);
     uint first = girih_group(item.group, GIRIH_GROUP_BASE_TRIANGLE) + number * count;
     if (first + end <= girih_push.window_first || first + begin >= girih_push.window_first + girih_push.window_count) {
         return;

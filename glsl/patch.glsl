@@ -62,17 +62,22 @@ void girih_item_vertices(GirihItem item, out uint vertices[3]) {
     }
 }
 
-GirihPatch girih_item_patch(GirihItem item, uint vertices[3]) {
-    uint edges[3] = uint[3](0u, 0u, 0u);
+// The word of TRIANGLE_EDGES of the base pattern's edge `edge`, with its reversal relative to the pattern's.
+uint girih_item_edge(GirihItem item, uint edge) {
 #if GIRIH_CURVED == 1
-    for (uint edge = 0u; edge < 3u; ++edge) {
-        edges[edge] = GIRIH_AT_TRIANGLE_EDGES(3u * item.scene_triangle + item.edges[edge]);
-        if (item.odd) {
-            edges[edge] ^= GIRIH_EDGE_REVERSED;
-        }
-    }
+    uint word = GIRIH_AT_TRIANGLE_EDGES(3u * item.scene_triangle + item.edges[edge]);
+    return item.odd ? word ^ GIRIH_EDGE_REVERSED : word;
+#else
+    return 0u;
 #endif
-    return girih_gather_patch(item.instance, vertices, edges, false);
+}
+
+uint[3] girih_item_edges(GirihItem item) {
+    return uint[3](girih_item_edge(item, 0u), girih_item_edge(item, 1u), girih_item_edge(item, 2u));
+}
+
+GirihPatch girih_item_patch(GirihItem item, uint vertices[3]) {
+    return girih_gather_patch(item.instance, vertices, girih_item_edges(item), false);
 }
 
 // Read before anything diverges, where a CPU device loads it once for all lanes.
@@ -80,48 +85,64 @@ bool girih_overflow() {
     return (GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_OVERFLOW) != 0u;
 }
 
-// The item and the share of its work that an invocation of evaluate or output does. Invocation n < items
-// has the first chunk of item n, with no search; what patterns of many vertices have beyond it is
-// shared out among further invocations. False: nothing to do.
-bool girih_work(uint invocation, out uint item, out uint chunk) {
-    uint items = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
-    item = invocation;
-    chunk = 0u;
-    if (invocation < items) {
-        return true;
-    }
-    uint further = invocation - items;
-    if (further >= GIRIH_AT_STATUS(GIRIH_STATUS_CHUNKS)) {
-        return false;
-    }
-    uint low = 0u;
-    uint high = girih_frame.group_count;
-    while (high - low > 1u) {
-        uint middle = (low + high) / 2u;
-        if (GIRIH_AT_GROUPS(middle * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_CHUNK) <= further) {
-            low = middle;
-        } else {
-            high = middle;
+// number / divisor; `number` becomes the remainder. A CPU device divides lane by lane, and would do so for
+// the lanes that have nothing to divide too; this loop it leaves at once.
+uint girih_quotient(inout uint number, uint divisor) {
+    uint quotient = 0u;
+    for (int bit = findMSB(number) - findMSB(divisor); bit >= 0; --bit) {
+        if (number >> bit >= divisor) {
+            number -= divisor << bit;
+            quotient |= 1u << bit;
         }
     }
-    uint rank = girih_range_rank(low % girih_frame.range_count);
-    uint each = girih_pattern(rank, GIRIH_PATTERN_CHUNKS) - 1u;
-    uint local = further - GIRIH_AT_GROUPS(low * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_CHUNK);
-    item = GIRIH_AT_GROUPS(low * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) + local / each;
-    chunk = 1u + local % each;
-    return true;
+    return quotient;
 }
 
-// The number of this invocation, workgroups dealt out in turn to eight parts of the dispatch: items are
-// sorted by pattern, and a device that gives each core one contiguous part would leave the core with
-// the small patterns idle.
+// The item and the share of its work that an invocation of evaluate or output does. Invocation n < items
+// has the first chunk of item n, with no search; what patterns of many vertices have beyond it is
+// shared out among further invocations. False: nothing to do; item and chunk are there nevertheless.
+bool girih_work(uint invocation, out uint item, out uint chunk) {
+    uint items = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
+    uint chunks = GIRIH_AT_STATUS(GIRIH_STATUS_CHUNKS);
+    uint group_count = girih_frame.group_count;
+    item = min(invocation, items - 1u);
+    chunk = 0u;
+    uint further = invocation - items;
+    if (invocation >= items && further < chunks) {
+        uint low = 0u;
+        uint high = group_count;
+        while (high - low > 1u) {
+            uint middle = (low + high) / 2u;
+            if (girih_group(middle, GIRIH_GROUP_FIRST_CHUNK) <= further) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        uint each = girih_pattern(girih_group(low, GIRIH_GROUP_RANK) & ~GIRIH_GROUP_MIRRORED, GIRIH_PATTERN_CHUNKS) - 1u;
+        uint rest = further - girih_group(low, GIRIH_GROUP_FIRST_CHUNK);
+        item = girih_group(low, GIRIH_GROUP_FIRST) + girih_quotient(rest, each);
+        chunk = 1u + rest;
+    }
+    return invocation < items || further < chunks;
+}
+
+// The number of this invocation, runs of workgroups dealt out in turn to eight parts of the dispatch: items
+// are sorted by pattern, and a device that gives each core one contiguous part would leave the core with
+// the small patterns idle. Within a run neighbours, which share vertices, stay together. No divisions: a
+// CPU device does them lane by lane.
 uint girih_interleaved_invocation() {
-    const uint parts = 8u;
     uint count = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    uint whole = count / parts;
-    if (group < whole * parts) {
-        group = (group % whole) * parts + group / whole;
+    int shift = count < 2048u ? 0 : 5;
+    uint whole = count >> 3 >> shift << shift; // workgroups of a part
+    if (group < whole << 3) {
+        uint part = 0u;
+        for (uint n = 1u; n < 8u; ++n) {
+            part += group >= n * whole ? 1u : 0u;
+        }
+        uint place = group - part * whole;
+        group = (((place >> shift << 3) + part) << shift) + (place & ((1u << shift) - 1u));
     }
     return group * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
 }
