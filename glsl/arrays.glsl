@@ -141,6 +141,9 @@ GIRIH_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_POSITIONS, GirihOutPositions, g
 GIRIH_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_ATTRIBUTES, GirihOutAttributes, girih_out_attributes)
 GIRIH_PAIR_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_POSITIONS, GirihOutPositionPairs, girih_out_position_pairs)
 GIRIH_PAIR_ARRAY(GIRIH_OUTPUT_BINDING, GIRIH_BIND_OUT_ATTRIBUTES, GirihOutAttributePairs, girih_out_attribute_pairs)
+layout(std430, set = GIRIH_SET, binding = GIRIH_OUTPUT_BINDING(GIRIH_BIND_OUT_ATTRIBUTES)) writeonly buffer GirihOutPatchFours {
+    uvec4 girih_out_patch_fours[];
+};
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_INDICES, GirihOutIndices, girih_out_indices)
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_CLOSED_INDICES, GirihOutClosedIndices, girih_out_closed_indices)
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, girih_out_sources)
@@ -164,6 +167,7 @@ GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, girih_o
 #define GIRIH_AT_OUT_ATTRIBUTES(I) girih_out_attributes[I]
 #define GIRIH_AT_OUT_POSITION_PAIRS(I) girih_out_position_pairs[I]
 #define GIRIH_AT_OUT_ATTRIBUTE_PAIRS(I) girih_out_attribute_pairs[I]
+#define GIRIH_AT_OUT_PATCH_FOURS(I) girih_out_patch_fours[I]
 #define GIRIH_AT_OUT_INDICES(I) girih_out_indices[I]
 #define GIRIH_AT_OUT_CLOSED_INDICES(I) girih_out_closed_indices[I]
 #define GIRIH_AT_OUT_SOURCES(I) girih_out_sources[I]

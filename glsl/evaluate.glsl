@@ -19,62 +19,52 @@
 #define GIRIH_PATCH_WORDS GIRIH_PATCH_WORDS_FLAT
 #endif
 
-void girih_write_vector(uint word, vec3 v) {
-    GIRIH_AT_OUT_ATTRIBUTES(word) = floatBitsToUint(v.x);
-    GIRIH_AT_OUT_ATTRIBUTES(word + 1u) = floatBitsToUint(v.y);
-    GIRIH_AT_OUT_ATTRIBUTES(word + 2u) = floatBitsToUint(v.z);
+// Patches are whole fours of words, and every store costs a CPU device.
+void girih_write_four(uint four, uvec4 words) {
+    GIRIH_AT_OUT_PATCH_FOURS(four) = words;
+}
+
+void girih_write_vectors(uint four, vec3 a, vec3 b, vec3 c, vec3 d) {
+    girih_write_four(four, floatBitsToUint(vec4(a, b.x)));
+    girih_write_four(four + 1u, floatBitsToUint(vec4(b.yz, c.xy)));
+    girih_write_four(four + 2u, floatBitsToUint(vec4(c.z, d)));
 }
 
 void main() {
     bool overflow = girih_overflow();
-    uint number = girih_interleaved_invocation();
-    // The patches' own window, where they are more than one storage buffer can hold.
-    if (number < girih_push.window_first || number - girih_push.window_first >= girih_push.window_count ||
-        number >= GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS)) {
-        return;
-    }
+    uint items = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
+    uint range_count = girih_frame.range_count;
+    uint window_first = girih_push.window_first;
+    uint window_count = girih_push.window_count;
+    uint invocation = girih_interleaved_invocation();
+    uint number = min(invocation, items - 1u);
     GirihItem item = girih_read_item(number, overflow);
-    uint group = overflow ? item.group - item.group % girih_frame.range_count : item.group;
-    uint key = group << 3 | item.lambda;
-    uint word = (number - girih_push.window_first) * GIRIH_PATCH_WORDS;
-#if GIRIH_SURFACE == 2
-    GIRIH_AT_OUT_ATTRIBUTES(word) = item.scene_triangle;
-    GIRIH_AT_OUT_ATTRIBUTES(word + 1u) = item.instance;
-    GIRIH_AT_OUT_ATTRIBUTES(word + 2u) = key;
-    GIRIH_AT_OUT_ATTRIBUTES(word + 3u) = item.rank;
-#else
+    uint beyond = overflow ? item.group : 0u;
+    girih_quotient(beyond, range_count);
+    uint key = (item.group - beyond) << 3 | item.lambda;
+    uint four = (number - window_first) * (GIRIH_PATCH_WORDS / 4);
+#if GIRIH_SURFACE != 2
     uint vertices[3];
     girih_item_vertices(item, vertices);
     GirihPatch p = girih_item_patch(item, vertices);
-    girih_write_vector(word, p.b300);
-    girih_write_vector(word + 3u, p.b030);
-    girih_write_vector(word + 6u, p.b003);
-    word += 9u;
-#if GIRIH_SURFACE == 1
-    girih_write_vector(word, p.b210);
-    girih_write_vector(word + 3u, p.b120);
-    girih_write_vector(word + 6u, p.b021);
-    girih_write_vector(word + 9u, p.b012);
-    girih_write_vector(word + 12u, p.b102);
-    girih_write_vector(word + 15u, p.b201);
-    girih_write_vector(word + 18u, p.b111);
-    word += 21u;
 #endif
-    girih_write_vector(word, p.n200);
-    girih_write_vector(word + 3u, p.n020);
-    girih_write_vector(word + 6u, p.n002);
-    word += 9u;
-#if GIRIH_SURFACE == 1
-    girih_write_vector(word, p.n110);
-    girih_write_vector(word + 3u, p.n011);
-    girih_write_vector(word + 6u, p.n101);
-    word += 9u;
+    // The patches' own window, where they are more than one storage buffer can hold.
+    if (invocation < items && number - window_first < window_count) {
+#if GIRIH_SURFACE == 2
+        girih_write_four(four, uvec4(item.scene_triangle, item.instance, key, item.rank));
+#elif GIRIH_SURFACE == 1
+        girih_write_vectors(four, p.b300, p.b030, p.b003, p.b210);
+        girih_write_vectors(four + 3u, p.b120, p.b021, p.b012, p.b102);
+        girih_write_vectors(four + 6u, p.b201, p.b111, p.n200, p.n020);
+        girih_write_vectors(four + 9u, p.n002, p.n110, p.n011, p.n101);
+        girih_write_four(four + 12u, uvec4(vertices[0], vertices[1], vertices[2], key));
+#else
+        girih_write_vectors(four, p.b300, p.b030, p.b003, p.n200);
+        girih_write_four(four + 3u, floatBitsToUint(vec4(p.n020, p.n002.x)));
+        girih_write_four(four + 4u, uvec4(floatBitsToUint(p.n002.yz), vertices[0], vertices[1]));
+        girih_write_four(four + 5u, uvec4(vertices[2], key, 0u, 0u));
 #endif
-    GIRIH_AT_OUT_ATTRIBUTES(word) = vertices[0];
-    GIRIH_AT_OUT_ATTRIBUTES(word + 1u) = vertices[1];
-    GIRIH_AT_OUT_ATTRIBUTES(word + 2u) = vertices[2];
-    GIRIH_AT_OUT_ATTRIBUTES(word + 3u) = key;
-#endif
+    }
 }
 
 #else
