@@ -44,9 +44,9 @@ static void read_limits(girih_context *context, const girih_context_desc *desc) 
             girih_get_requirements().required.maxDrawIndexedIndexValue;
     }
     context->max_allocation = maintenance.maxMemoryAllocationSize;
+    context->is_cpu = properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     context->serial_sort = desc->sort == GIRIH_SORT_SERIAL ||
-                           (desc->sort == GIRIH_SORT_AUTO &&
-                            properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU);
+                           (desc->sort == GIRIH_SORT_AUTO && context->is_cpu);
     // Every binding but the frame is a storage buffer.
     const VkPhysicalDeviceLimits *limits = &context->limits;
     context->few_buffers = desc->few_buffers ||

@@ -47,6 +47,7 @@ struct girih_context {
     VkPhysicalDeviceLimits limits;
     VkDeviceSize max_allocation;
     VkPhysicalDeviceMemoryProperties memory;
+    bool is_cpu; // the device's type
     bool serial_sort;
     bool few_buffers;
     bool compute_only; // the queue knows no graphics stage

@@ -712,6 +712,52 @@ static void features_masked_off(void **state) {
     assert_int_equal(gpu_close(&bare), 0);
 }
 
+// Whatever is asked for, the mode chosen can give it. On CPU devices 64 output triangles for each
+// input triangle part the modes; elsewhere it is instanced wherever that can be.
+static void modes_are_chosen(void **state) {
+    (void)state;
+    gpu bare;
+    gpu_open(&bare, NULL, true);
+    gpu *const hosts[2] = {&device, &bare};
+    const bool is_cpu = device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    const girih_mesh *mesh = make_torus(8, 6);
+    const girih_instance twice[2] = {once, once};
+    const uint64_t border = 64 * 2 * (uint64_t)mesh->triangle_count;
+    for (int host = 0; host < 2; ++host) {
+        girih_context *context = gpu_variant_context(hosts[host], (gpu_variant){0});
+        girih_scene *scene = gpu_scene(hosts[host], context, &mesh, 1);
+        girih_plan_desc desc = plan_of(scene, GIRIH_SURFACE_PN, GIRIH_MODE_INSTANCED, 0, 40000);
+        desc.instances = twice;
+        desc.instance_count = 2;
+        const bool can_instance = host == 0 && device.features.multiDrawIndirect &&
+                                  device.features.drawIndirectFirstInstance;
+        const girih_mode large = can_instance ? GIRIH_MODE_INSTANCED : GIRIH_MODE_BAKED;
+        const girih_mode small = is_cpu ? GIRIH_MODE_BAKED : large;
+        assert_int_equal(girih_choose_mode(context, &desc, 0), small);
+        assert_int_equal(girih_choose_mode(context, &desc, border - 1), small);
+        assert_int_equal(girih_choose_mode(context, &desc, border), large);
+        assert_int_equal(girih_choose_mode(context, &desc, UINT64_MAX), large);
+        for (uint32_t outputs = 0; outputs < 64; ++outputs) {
+            if (outputs & GIRIH_OUTPUT_PREVIOUS) {
+                continue; // of own surfaces alone
+            }
+            desc.outputs = outputs;
+            desc.mode = girih_choose_mode(context, &desc, border);
+            assert_int_equal(desc.mode, outputs & GIRIH_OUTPUT_CLOSED_INDICES ? GIRIH_MODE_WELDED
+                                        : outputs                             ? GIRIH_MODE_BAKED
+                                                                              : large);
+            girih_plan_destroy(make_plan(context, desc));
+        }
+        desc.outputs = 0;
+        assert_int_equal(girih_choose_mode(NULL, &desc, border), GIRIH_MODE_BAKED);
+        assert_int_equal(girih_choose_mode(context, NULL, border), GIRIH_MODE_BAKED);
+        girih_scene_destroy(scene);
+        girih_context_destroy(context);
+    }
+    girih_mesh_destroy(mesh);
+    assert_int_equal(gpu_close(&bare), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(windows),
@@ -726,6 +772,7 @@ int main(void) {
         cmocka_unit_test(wrong_calls_are_refused),
         cmocka_unit_test(allocation_failures_are_reported),
         cmocka_unit_test(features_masked_off),
+        cmocka_unit_test(modes_are_chosen),
     };
     const girih_requirements requirements = girih_get_requirements();
     gpu_open(&device, &requirements.optional, true);

@@ -179,14 +179,30 @@ static girih_result choose_mode(session *s, girih_error *error) {
     }
     if (must_instance) {
         s->mode = GIRIH_MODE_INSTANCED;
-    } else if (options->mode == GIRIH_MODE_OPTION_AUTO) {
-        bool is_cpu = s->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-        s->mode = is_cpu || !can_instance || options->device.cpu ? GIRIH_MODE_BAKED
-                                                                 : GIRIH_MODE_INSTANCED;
     } else {
-        s->mode = options->mode == GIRIH_MODE_OPTION_BAKED ? GIRIH_MODE_BAKED : GIRIH_MODE_WELDED;
+        s->mode = options->mode == GIRIH_MODE_OPTION_WELDED ? GIRIH_MODE_WELDED : GIRIH_MODE_BAKED;
     }
     return GIRIH_OK;
+}
+
+// --mode auto, once there is a scene. How much comes out is known beforehand only where all edges
+// are alike: a triangle of n segments an edge becomes n * n.
+static girih_mode choose_fastest_mode(const session *s) {
+    const girih_frame frame = girih_frame_from_options(&s->options->levels, &s->view);
+    const girih_plan_desc desc = {.scene = s->scene,
+                                  .instances = s->instances,
+                                  .instance_count = s->instance_count,
+                                  .surface = s->options->surface.surface};
+    uint64_t each = 0;
+    if (frame.rule == GIRIH_LEVEL_SEGMENTS) {
+        const uint64_t segments = frame.segments < 1024 ? frame.segments : 1024;
+        each = segments * segments;
+    }
+    uint64_t input_triangles = 0;
+    for (uint32_t n = 0; n < s->instance_count; ++n) {
+        input_triangles += s->model.meshes[s->instances[n].mesh]->triangle_count;
+    }
+    return girih_choose_mode(s->context, &desc, each * input_triangles);
 }
 
 static girih_result open_device(session *s, girih_error *error) {
@@ -210,6 +226,10 @@ static girih_result open_device(session *s, girih_error *error) {
     if (result == GIRIH_OK) {
         result = girih_refinement_scene(&s->device, s->context, s->model.meshes,
                                         s->model.mesh_count, &s->scene, error);
+    }
+    if (result == GIRIH_OK && s->options->mode == GIRIH_MODE_OPTION_AUTO &&
+        !is_by_range(s->options->shade)) {
+        s->mode = choose_fastest_mode(s);
     }
     if (result == GIRIH_OK && s->options->surface.surface == GIRIH_SURFACE_OWN) {
         result = girih_own_surface_upload(&s->own, &s->device, s->context,

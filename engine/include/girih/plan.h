@@ -194,6 +194,17 @@ typedef struct girih_plan_desc {
 
 typedef struct girih_plan girih_plan;
 
+// The mode that is likely the fastest for a plan of this description, drawn once a frame, whose
+// levels change every frame. `output_triangles` is about how many a frame will have; 0: unknown. Of
+// the description, scene, instances, surface, program and outputs count. A mode that the outputs or
+// the device's features ask for is taken first. Then, on CPU devices, as measured on lavapipe:
+// instanced where patterns are large (64 triangles and more on average) and the surface is the
+// library's own, else baked. On all other devices instanced, which was measured on none of them: a
+// host that draws one refinement several times may do better with GIRIH_MODE_BAKED. Never fails:
+// where something that must be set is not, GIRIH_MODE_BAKED. Thread-safe.
+GIRIH_API girih_mode girih_choose_mode(const girih_context *context, const girih_plan_desc *desc,
+                                       uint64_t output_triangles);
+
 // The buffers a plan of this description wants, for a host that brings them. Thread-safe.
 GIRIH_API girih_result girih_plan_needs(const girih_context *context, const girih_plan_desc *desc,
                                         girih_buffer_need needs[GIRIH_PLAN_BUFFERS],
