@@ -2,8 +2,9 @@
 #include "context.h"
 
 // Output triangles for each input triangle from which the instanced mode is the faster one on a CPU
-// device. An instance costs such a device as much as some fifty triangles, a baked vertex is
-// written and read again. Measured on lavapipe: baked at 35, instanced at 140 (doc/benchmarks.md).
+// device: an instance costs such a device as much as some dozens of triangles, a baked vertex is
+// written and read again. On lavapipe baked is far ahead at 3, the two are about equal at 35, and
+// instanced is ahead at 140.
 #define TRIANGLES_WORTH_AN_INSTANCE 64u
 
 static bool can_instance(const girih_context *context, const girih_plan_desc *desc) {
