@@ -8,6 +8,8 @@
 //   has the levels of its own frame, as with every other method.
 // - The selection pass is a compute shader; the paper had only a geometry shader and transform
 //   feedback to write with.
+// - Hidden triangles are not drawn at all, where the paper leaves them at one subtriangle: only DMR
+//   cannot do without those.
 // - Patterns are indexed triangles, not degenerate strips: strips save index fetches, of which a
 //   triangle costs six bytes of a pattern that stays in the cache, but each joint costs triangles
 //   without area that are assembled and thrown away.

@@ -1,10 +1,13 @@
-// Pattern selection (Lorenz, Doellner 2008, section 4.2, pass 1): the number of each triangle's adaptive pattern.
+// Pattern selection (Lorenz, Doellner 2008, section 4.3): the number of each triangle's adaptive pattern.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
 #include "rival.glsl"
+#include "culling.glsl"
 
 layout(local_size_x = 64) in;
+
+const uint HIDDEN = 0xffffffffu; // BENCH_HIDDEN of cpu_levels.h
 
 layout(std430, set = 1, binding = 0) readonly buffer Vertices {
     float vertices[]; // position, normal
@@ -16,8 +19,30 @@ layout(std430, set = 1, binding = 2) writeonly buffer Selected {
     uint selected[];
 };
 
-vec3 position(uint vertex) {
-    return vec3(vertices[6u * vertex], vertices[6u * vertex + 1u], vertices[6u * vertex + 2u]);
+vec3 vertex_vector(uint word) {
+    return vec3(vertices[word], vertices[word + 1u], vertices[word + 2u]);
+}
+
+// By girih's own bounds, so that the same triangles are hidden.
+bool is_hidden(vec3 p[3], vec3 n[3]) {
+    vec3 points[10];
+    points[0] = p[0];
+    points[1] = p[1];
+    points[2] = p[2];
+    int count = 3;
+#if GIRIH_CURVED == 1
+    GirihPatch patch_ = bench_patch(p, n);
+    points[3] = patch_.b210;
+    points[4] = patch_.b120;
+    points[5] = patch_.b021;
+    points[6] = patch_.b012;
+    points[7] = patch_.b102;
+    points[8] = patch_.b201;
+    points[9] = patch_.b111;
+    count = 10;
+#endif
+    const GirihTransform world = GirihTransform(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
+    return girih_culled(points, count, world, false, false);
 }
 
 void main() {
@@ -25,10 +50,20 @@ void main() {
     if (triangle >= uint(indices.length()) / 3u) {
         return;
     }
-    vec3 p1 = position(indices[3u * triangle]);
-    vec3 p2 = position(indices[3u * triangle + 1u]);
-    vec3 p3 = position(indices[3u * triangle + 2u]);
-    uint number = bench_edge_level(p1, p2);
-    number = number * girih_frame.level_count + bench_edge_level(p2, p3);
-    selected[triangle] = number * girih_frame.level_count + bench_edge_level(p3, p1);
+    vec3 p[3];
+    vec3 n[3];
+    for (uint corner = 0u; corner < 3u; ++corner) {
+        uint word = 6u * indices[3u * triangle + corner];
+        p[corner] = vertex_vector(word);
+        n[corner] = vertex_vector(word + 3u);
+    }
+    bool hidden = false;
+    // No turn or one: a CPU device would run a branch's body in any case.
+    for (uint turn = 0u; turn < min(girih_frame.cull, 1u); ++turn) {
+        hidden = is_hidden(p, n);
+    }
+    uint number = bench_edge_level(p[0], p[1]);
+    number = number * girih_frame.level_count + bench_edge_level(p[1], p[2]);
+    number = number * girih_frame.level_count + bench_edge_level(p[2], p[0]);
+    selected[triangle] = hidden ? HIDDEN : number;
 }
