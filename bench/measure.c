@@ -42,7 +42,7 @@ girih_result bench_frame(bench_case_job *job, const bench_method *method, void *
     if (result != GIRIH_OK) {
         return result;
     }
-    bench_target_begin(j->target, commands);
+    bench_target_begin(j->target, commands, raster);
     method->draw(state, commands, raster);
     bench_target_end(j->target, commands);
     if (raster == BENCH_CAPTURE) {

@@ -234,17 +234,18 @@ const bench_feedback *bench_target_feedback(const bench_target *target) {
 
 // --- Frames -------------------------------------------------------------------------------------
 
-void bench_target_begin(const bench_target *target, VkCommandBuffer commands) {
+void bench_target_begin(const bench_target *target, VkCommandBuffer commands, bench_raster raster) {
+    const uint32_t size = raster == BENCH_SHADED ? BENCH_PIXELS : 1;
     const VkClearValue clears[2] = {{.color = {.float32 = {0, 0, 0, 1}}},
                                     {.depthStencil = {.depth = 1}}};
-    const VkRect2D all = {.extent = {BENCH_PIXELS, BENCH_PIXELS}};
+    const VkRect2D all = {.extent = {size, size}};
     const VkRenderPassBeginInfo pass = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                         .renderPass = target->pass,
                                         .framebuffer = target->framebuffer,
                                         .renderArea = all,
                                         .clearValueCount = 2,
                                         .pClearValues = clears};
-    const VkViewport viewport = {.width = BENCH_PIXELS, .height = BENCH_PIXELS, .maxDepth = 1};
+    const VkViewport viewport = {.width = (float)size, .height = (float)size, .maxDepth = 1};
     vkCmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
     vkCmdSetViewport(commands, 0, 1, &viewport);
     vkCmdSetScissor(commands, 0, 1, &all);

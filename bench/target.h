@@ -83,8 +83,9 @@ const bench_feedback *bench_target_feedback(const bench_target *target);
 
 // --- Frames ---
 
-// Begins and ends the pass around a method's draws.
-void bench_target_begin(const bench_target *target, VkCommandBuffer commands);
+// Begins and ends the pass around a method's draws. Where nothing is rasterised only one pixel is
+// cleared: the clear of a whole picture costs more than a small frame.
+void bench_target_begin(const bench_target *target, VkCommandBuffer commands, bench_raster raster);
 void bench_target_end(const bench_target *target, VkCommandBuffer commands);
 
 // Triangles as they were drawn: per corner position and normal.
