@@ -91,6 +91,7 @@ girih_result bench_add_case(const bench_run *run, const bench_case_job *job, jso
 girih_result bench_spheres(const bench_run *run, girih_error *error);
 girih_result bench_bake(const bench_run *run, girih_error *error);
 girih_result bench_conditions(const bench_run *run, girih_error *error);
+girih_result bench_knuth_case(const bench_run *run, girih_error *error);
 girih_result bench_instances(const bench_run *run, girih_error *error);
 // For each input size and fineness that fits: the stages' and the whole time, medians of at most
 // run->pairs frames whose levels change, for a triangle of the input and of the output; and the

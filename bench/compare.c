@@ -212,6 +212,19 @@ girih_result bench_compare(bench_triangles *reference, bench_triangles *triangle
 
 // --- Open edges ---------------------------------------------------------------------------------
 
+static bool has_area(const float (*t)[6]) {
+    return compare_corners(t[0], t[1]) != 0 && compare_corners(t[1], t[2]) != 0 &&
+           compare_corners(t[2], t[0]) != 0;
+}
+
+uint32_t bench_triangles_with_area(const bench_triangles *triangles) {
+    uint32_t count = 0;
+    for (uint32_t n = 0; n < triangles->count; ++n) {
+        count += has_area((const float(*)[6])triangles->corners + 3 * (size_t)n);
+    }
+    return count;
+}
+
 typedef struct edge {
     float ends[2][3]; // the lesser first
 } edge;
@@ -230,8 +243,7 @@ girih_result bench_open_edges(const bench_triangles *triangles, uint64_t *open,
     size_t count = 0;
     for (uint32_t n = 0; n < triangles->count; ++n) {
         const float(*t)[6] = (const float(*)[6])triangles->corners + 3 * (size_t)n;
-        if (compare_corners(t[0], t[1]) == 0 || compare_corners(t[1], t[2]) == 0 ||
-            compare_corners(t[2], t[0]) == 0) {
+        if (!has_area(t)) {
             continue;
         }
         for (int k = 0; k < 3; ++k) {

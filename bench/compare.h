@@ -16,6 +16,10 @@ typedef struct bench_agreement {
 girih_result bench_compare(bench_triangles *reference, bench_triangles *triangles,
                            bench_agreement *agreement, girih_error *error);
 
+// How many triangles have their corners at three different points: patterns that snap vertices put
+// out others.
+uint32_t bench_triangles_with_area(const bench_triangles *triangles);
+
 // Edges that only one triangle has, by the exact bits of their end positions; triangles with two
 // corners at one point take no part.
 girih_result bench_open_edges(const bench_triangles *triangles, uint64_t *open, girih_error *error);

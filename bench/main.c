@@ -31,6 +31,8 @@ static const struct bench_case {
     {"bake", "bake-only throughput, against the CPU twin and OpenSubdiv's Bfr", bench_bake},
     {"scaling", "time and memory of a triangle, by input and output", bench_scaling},
     {"table3", "ARKFPI's Table 3: its 19 input and output sizes, against ARK", bench_table3},
+    {"knuth", "geometry shaders by refinement level, against girih; a thin tetrahedron",
+     bench_knuth_case},
 };
 #define CASE_COUNT (sizeof cases / sizeof *cases)
 

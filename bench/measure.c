@@ -190,6 +190,8 @@ static girih_result agree(bench_case_job *job, const bench_method *method, void 
     }
     if (result == GIRIH_OK) {
         json_object_set_new(object, "triangles", json_integer(triangles.count));
+        json_object_set_new(object, "triangles_with_area",
+                            json_integer(bench_triangles_with_area(&triangles)));
         json_object_set_new(object, "equal_triangles", json_boolean(agreement.equal));
         json_object_set_new(object, "largest_distance", json_real(agreement.largest_distance));
         json_object_set_new(object, "area_ratio", json_real(agreement.area_ratio));

@@ -27,4 +27,10 @@ girih_result bench_girih_prepare(void *state, VkCommandBuffer commands, girih_er
 void bench_girih_draw(void *state, VkCommandBuffer commands, bench_raster raster);
 bool bench_girih_overflow(void *state);
 
+// Geometry shaders.
+extern const bench_method bench_knuth;
+extern const bench_method bench_knuth_warped;
+extern const bench_method bench_suapt;
+extern const bench_method bench_uniform_pn;
+
 #endif
