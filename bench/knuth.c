@@ -270,6 +270,7 @@ static girih_result run_thin(const bench_run *run, bench_target *target, uint32_
     const levels l = {
         .rule = GIRIH_LEVEL_EDGE_LENGTH,
         .length = 1.0f / ((float)MOST_SEGMENTS - 0.5f),
+        .outlines = true,
         .view = {{{1.75f, 0, 0.4f, 0}, {0, -1.8f, 0.0f, 0}, {0.2f, 0, -0.8f, 0.5f}, {0, 0, 0, 1}}}};
     char name[64];
     snprintf(name, sizeof name, "thin tetrahedron, %u and %u segments", MOST_SEGMENTS, base);
