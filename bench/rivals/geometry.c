@@ -4,8 +4,9 @@
 //
 // Vulkan promises a geometry shader 1024 output components: 146 vertices of position and normal an
 // invocation, 102 while triangles are captured, and 32 invocations a triangle. The patterns' strips
-// are dealt to so many invocations as the most that the job can ask for needs: level 64 of the
-// uniform pattern takes 29. Where 32 are too few, or one strip is too long, the job is unfit.
+// are dealt to so many invocations as the most that the job can ask for needs: the uniform pattern
+// reaches level 57 with 32 of them, and level 49 where it is to be captured as well. Beyond that
+// the job is unfit; dyadic patterns end at 32.
 #include <stdlib.h>
 #include <string.h>
 
