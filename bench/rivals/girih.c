@@ -81,15 +81,18 @@ static girih_result refine_once(own *s, girih_error *error) {
 
 static girih_result create(const bench_job *job, int variant, void **state, girih_error *error) {
     const girih_instance instance = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
-    const girih_plan_desc desc = {.scene = job->scene,
-                                  .instances = &instance,
-                                  .instance_count = 1,
-                                  .surface = job->surface,
-                                  .mode = variant == WELDED      ? GIRIH_MODE_WELDED
-                                          : variant == INSTANCED ? GIRIH_MODE_INSTANCED
-                                                                 : GIRIH_MODE_BAKED,
-                                  .max_vertices = 4 * job->room_triangles,
-                                  .max_triangles = job->room_triangles};
+    girih_plan_desc desc = {.scene = job->scene,
+                            .instances = &instance,
+                            .instance_count = 1,
+                            .surface = job->surface,
+                            .mode = variant == WELDED      ? GIRIH_MODE_WELDED
+                                    : variant == INSTANCED ? GIRIH_MODE_INSTANCED
+                                                           : GIRIH_MODE_BAKED,
+                            .max_vertices = 4 * job->room_triangles,
+                            .max_triangles = job->room_triangles};
+    if (variant == AUTO) {
+        desc.mode = girih_choose_mode(job->context, &desc, job->room_triangles);
+    }
     void *made = NULL;
     girih_result result = bench_girih_create(job, &desc, &made, error);
     if (result == GIRIH_OK && variant == UNCHANGED) {
