@@ -38,6 +38,10 @@ girih_result bench_ellipsoid(uint32_t slices, uint32_t stacks, const float radii
 girih_result bench_torus(uint32_t slices, uint32_t sides, float radius, float thickness,
                          bench_mesh *mesh, girih_error *error);
 
+// A dyadic catalogue of the uniform family with levels 0..max, in *bytes, the caller's.
+girih_result bench_catalogue_create(uint32_t max, void **bytes, const girih_catalogue **catalogue,
+                                    girih_error *error);
+
 #define BENCH_FRAMES 64u
 
 // What a job draws and how it changes from frame to frame.
@@ -93,6 +97,7 @@ girih_result bench_bake(const bench_run *run, girih_error *error);
 girih_result bench_conditions(const bench_run *run, girih_error *error);
 girih_result bench_knuth_case(const bench_run *run, girih_error *error);
 girih_result bench_instances(const bench_run *run, girih_error *error);
+girih_result bench_cities(const bench_run *run, girih_error *error);
 // For each input size and fineness that fits: the stages' and the whole time, medians of at most
 // run->pairs frames whose levels change, for a triangle of the input and of the output; and the
 // memory it takes. Times by stage are 0 where the queue has no timestamps.

@@ -7,7 +7,7 @@
 
 // A unit sphere seen whole: orthographic, looking along -z.
 static const bench_view whole = {
-    {{0.9f, 0, 0, 0}, {0, -0.9f, 0, 0}, {0, 0, -0.4f, 0.5f}, {0, 0, 0, 1}}};
+    .rows = {{0.9f, 0, 0, 0}, {0, -0.9f, 0, 0}, {0, 0, -0.4f, 0.5f}, {0, 0, 0, 1}}};
 
 // Eight segments on every edge: one group. The revision has the frame redone.
 static void one_group(const void *user, uint32_t n, girih_frame *frame, bench_view *view) {
@@ -37,8 +37,10 @@ static void seen_from(const void *user, uint32_t n, girih_frame *frame, bench_vi
                            .near_distance = near,
                            .eye = {0, 0, distance},
                            .cull_back = 1};
-    *view = (bench_view){
-        {{scale, 0, 0, 0}, {0, -scale, 0, 0}, {0, 0, -1, distance - near}, {0, 0, -1, distance}}};
+    *view = (bench_view){.rows = {{scale, 0, 0, 0},
+                                  {0, -scale, 0, 0},
+                                  {0, 0, -1, distance - near},
+                                  {0, 0, -1, distance}}};
 }
 
 static const float standing = 0.0f;

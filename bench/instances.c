@@ -175,7 +175,7 @@ static void frame(const void *user, uint32_t n, girih_frame *out, bench_view *vi
     (void)user;
     *out = (girih_frame){.rule = GIRIH_LEVEL_RANDOM_LEVEL, .segments = 1, .seed = n};
     *view = (bench_view){
-        {{0.045f, 0, 0, -0.8f}, {0, -0.045f, 0, 0.8f}, {0, 0, -0.02f, 0.8f}, {0, 0, 0, 1}}};
+        .rows = {{0.045f, 0, 0, -0.8f}, {0, -0.045f, 0, 0.8f}, {0, 0, -0.02f, 0.8f}, {0, 0, 0, 1}}};
 }
 
 girih_result bench_instances(const bench_run *run, girih_error *error) {

@@ -185,5 +185,6 @@ void bench_random_frame(const void *user, uint32_t n, girih_frame *frame, bench_
     *frame = (girih_frame){
         .rule = GIRIH_LEVEL_RANDOM_LEVEL, .segments = *most, .seed = n % 2 ? 1 : 2 + n};
     // A unit sphere seen whole: orthographic, looking along -z.
-    *view = (bench_view){{{0.9f, 0, 0, 0}, {0, -0.9f, 0, 0}, {0, 0, -0.4f, 0.5f}, {0, 0, 0, 1}}};
+    *view = (bench_view){
+        .rows = {{0.9f, 0, 0, 0}, {0, -0.9f, 0, 0}, {0, 0, -0.4f, 0.5f}, {0, 0, 0, 1}}};
 }

@@ -27,6 +27,7 @@ static const struct bench_case {
 } cases[] = {
     {"spheres", "Curved PN spheres with random levels, against the static mesh", bench_spheres},
     {"instances", "a thousand instances of a hundred meshes, against one mesh", bench_instances},
+    {"cities", "DMR's flight through two cities in a cylindrical projection", bench_cities},
     {"conditions", "few groups or many, views that move or stand, surfaces", bench_conditions},
     {"bake", "bake-only throughput, against the CPU twin and OpenSubdiv's Bfr", bench_bake},
     {"scaling", "time and memory of a triangle, by input and output", bench_scaling},

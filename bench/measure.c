@@ -163,6 +163,18 @@ static girih_result write_picture(const bench_run *run, bench_case_job *job,
     return result;
 }
 
+// A method may put hidden triangles out as one point each: bench_nothing.
+static void drop_points(bench_triangles *triangles) {
+    uint32_t kept = 0;
+    for (uint32_t n = 0; n < triangles->count; ++n) {
+        const float(*corners)[6] = (const float(*)[6])triangles->corners + 3 * (size_t)n;
+        if (memcmp(corners[0], corners[1], 12) != 0 || memcmp(corners[0], corners[2], 12) != 0) {
+            memmove(triangles->corners + 3 * (size_t)kept++, corners, sizeof(float[3][6]));
+        }
+    }
+    triangles->count = kept;
+}
+
 static girih_result capture(bench_case_job *job, const bench_method *method, void *state,
                             bench_triangles *triangles, girih_error *error) {
     bench_time time;
@@ -172,7 +184,13 @@ static girih_result capture(bench_case_job *job, const bench_method *method, voi
     if (result == GIRIH_OK) {
         result = bench_frame(job, method, state, BENCH_CAPTURE, 1, &time, error);
     }
-    return result == GIRIH_OK ? bench_capture_read(job->job.target, triangles, error) : result;
+    if (result == GIRIH_OK) {
+        result = bench_capture_read(job->job.target, triangles, error);
+    }
+    if (result == GIRIH_OK) {
+        drop_points(triangles);
+    }
+    return result;
 }
 
 // Adds what frame 1 of a method is, compared with the first method's.

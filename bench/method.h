@@ -60,6 +60,8 @@ typedef struct bench_method {
     // Whether the last waited-for frame was cut short by lack of room, and thus not whole. May be
     // NULL: it never is.
     bool (*overflow)(void *state);
+    // Triangles drawn in the last waited-for frame. May be NULL: it is not known.
+    uint64_t (*drawn)(void *state);
 } bench_method;
 
 #endif

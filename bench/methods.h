@@ -10,6 +10,19 @@ extern const bench_method bench_static;
 extern const bench_method bench_ark; // patterns chosen on the CPU
 extern const bench_method bench_arp; // patterns chosen on the GPU and read back
 
+// Dynamic mesh refinement: with the paper's limit of growth, which cracks, and one that does not.
+extern const bench_method bench_dmr;
+extern const bench_method bench_dmr_symmetric;
+// The paper's with larger and larger output limits of the update pass, its Figure 8.
+#define BENCH_DMR_LIMITS 7
+extern const bench_method bench_dmr_output_limits[BENCH_DMR_LIMITS];
+// What these drew in the last waited-for frame.
+typedef struct bench_dmr_audit {
+    uint64_t seen_triangles; // all but the hidden ones
+    uint64_t cracked_edges; // edges of the input whose triangles, unless hidden, split them unalike
+} bench_dmr_audit;
+girih_result bench_dmr_look(void *state, bench_dmr_audit *audit, girih_error *error);
+
 // girih itself: all stages and the draw, each frame.
 extern const bench_method bench_girih; // the mode that it chooses
 extern const bench_method bench_girih_baked;

@@ -2,7 +2,7 @@
 #include "error.h"
 #include "target_private.h"
 
-VkShaderStageFlags bench_view_stages(const bench_target *target) {
+VkShaderStageFlags bench_target_stages(const bench_target *target) {
     VkShaderStageFlags stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_COMPUTE_BIT;
     if (target->device->features.geometryShader) {
         stages |= VK_SHADER_STAGE_GEOMETRY_BIT;
@@ -17,6 +17,7 @@ VkShaderStageFlags bench_view_stages(const bench_target *target) {
 #define MOST_STAGES 5
 
 typedef struct stages {
+    VkSpecializationInfo constants;
     VkShaderModule modules[MOST_STAGES];
     VkPipelineShaderStageCreateInfo infos[MOST_STAGES];
     uint32_t count;
@@ -37,13 +38,24 @@ static VkResult add_stage(const bench_target *target, bench_shader shader,
             .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
             .stage = stage,
             .module = *module,
-            .pName = "main"};
+            .pName = "main",
+            .pSpecializationInfo = &list->constants};
     }
     return result;
 }
 
+// No stages yet, and the constants that all of them are to have.
+static stages begin_stages(const bench_target *target) {
+    static const VkSpecializationMapEntry cylindrical = {100, 0, sizeof(VkBool32)};
+    return (stages){.constants = {.mapEntryCount = 1,
+                                  .pMapEntries = &cylindrical,
+                                  .dataSize = sizeof target->cylindrical,
+                                  .pData = &target->cylindrical}};
+}
+
 static VkResult create_graphics(const bench_target *target, const bench_pipeline_desc *desc,
-                                bench_raster raster, const stages *list, VkPipeline *pipeline) {
+                                VkRenderPass pass, bench_raster raster, const stages *list,
+                                VkPipeline *pipeline) {
     static const VkPipelineVertexInputStateCreateInfo nothing = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
     const VkPipelineInputAssemblyStateCreateInfo assembly = {
@@ -89,16 +101,16 @@ static VkResult create_graphics(const bench_target *target, const bench_pipeline
         .pRasterizationState = &rasterization,
         .pMultisampleState = &multisample,
         .pDepthStencilState = &depth,
-        .pColorBlendState = &blending,
+        .pColorBlendState = pass == target->pass ? &blending : NULL,
         .pDynamicState = &dynamic,
         .layout = desc->layout,
-        .renderPass = target->pass};
+        .renderPass = pass};
     return vkCreateGraphicsPipelines(target->device->device, VK_NULL_HANDLE, 1, &info, NULL,
                                      pipeline);
 }
 
 static VkResult create_one(const bench_target *target, const bench_pipeline_desc *desc,
-                           bench_raster raster, VkPipeline *pipeline) {
+                           VkRenderPass pass, bench_raster raster, VkPipeline *pipeline) {
     bench_shader shaders[4] = {desc->vertex, desc->control, desc->evaluation, desc->geometry};
     static const VkShaderStageFlagBits kinds[4] = {
         VK_SHADER_STAGE_VERTEX_BIT, VK_SHADER_STAGE_TESSELLATION_CONTROL_BIT,
@@ -107,10 +119,10 @@ static VkResult create_one(const bench_target *target, const bench_pipeline_desc
     while (last > 0 && !shaders[last].words) {
         --last;
     }
-    if (raster == BENCH_CAPTURE) {
+    if (raster == BENCH_CAPTURE && pass == target->pass) {
         shaders[last] = desc->capture;
     }
-    stages list = {.count = 0};
+    stages list = begin_stages(target);
     VkResult result = VK_SUCCESS;
     for (uint32_t n = 0; n < 4 && result == VK_SUCCESS; ++n) {
         result = add_stage(target, shaders[n], kinds[n], &list);
@@ -121,10 +133,11 @@ static VkResult create_one(const bench_target *target, const bench_pipeline_desc
             .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
             .stage = VK_SHADER_STAGE_FRAGMENT_BIT,
             .module = target->fragment,
-            .pName = "main"};
+            .pName = "main",
+            .pSpecializationInfo = &list.constants};
     }
     if (result == VK_SUCCESS) {
-        result = create_graphics(target, desc, raster, &list, pipeline);
+        result = create_graphics(target, desc, pass, raster, &list, pipeline);
     }
     for (uint32_t n = 0; n < modules; ++n) {
         vkDestroyShaderModule(target->device->device, list.modules[n], NULL);
@@ -139,13 +152,23 @@ girih_result bench_pipelines_create(const bench_target *target, const bench_pipe
         if (raster == BENCH_CAPTURE && !target->device->has_transform_feedback) {
             continue;
         }
-        const VkResult result = create_one(target, desc, raster, &pipelines[raster]);
+        const VkResult result = create_one(target, desc, target->pass, raster, &pipelines[raster]);
         if (result != VK_SUCCESS) {
             bench_pipelines_destroy(target, pipelines);
             return girih_vulkan_failure(error, "creating a method's pipelines", result);
         }
     }
     return GIRIH_OK;
+}
+
+girih_result bench_feedback_pipeline_create(const bench_target *target,
+                                            const bench_pipeline_desc *desc, VkPipeline *pipeline,
+                                            girih_error *error) {
+    *pipeline = VK_NULL_HANDLE;
+    const VkResult result = create_one(target, desc, target->empty_pass, BENCH_CAPTURE, pipeline);
+    return result == VK_SUCCESS
+               ? GIRIH_OK
+               : girih_vulkan_failure(error, "creating a method's feedback pipeline", result);
 }
 
 void bench_pipelines_destroy(const bench_target *target, VkPipeline pipelines[BENCH_RASTERS]) {
@@ -158,7 +181,7 @@ void bench_pipelines_destroy(const bench_target *target, VkPipeline pipelines[BE
 girih_result bench_compute_pipeline_create(const bench_target *target, bench_shader shader,
                                            VkPipelineLayout layout, VkPipeline *pipeline,
                                            girih_error *error) {
-    stages list = {.count = 0};
+    stages list = begin_stages(target);
     *pipeline = VK_NULL_HANDLE;
     VkResult result = add_stage(target, shader, VK_SHADER_STAGE_COMPUTE_BIT, &list);
     if (result == VK_SUCCESS) {
@@ -189,7 +212,7 @@ static VkResult create_storage_set(const bench_target *target, const VkBuffer *b
             (VkDescriptorSetLayoutBinding){.binding = n,
                                            .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
                                            .descriptorCount = 1,
-                                           .stageFlags = bench_view_stages(target)};
+                                           .stageFlags = bench_target_stages(target)};
         infos[n] = (VkDescriptorBufferInfo){.buffer = buffers[n], .range = VK_WHOLE_SIZE};
     }
     const VkDescriptorSetLayoutCreateInfo set_layout = {
@@ -243,7 +266,7 @@ girih_result bench_layout_create(const bench_target *target, const VkBuffer *sto
     }
     if (result == VK_SUCCESS) {
         const VkDescriptorSetLayout sets[2] = {target->view_layout, layout->set_layout};
-        const VkPushConstantRange push = {.stageFlags = bench_view_stages(target),
+        const VkPushConstantRange push = {.stageFlags = bench_target_stages(target),
                                           .size = push_bytes};
         const VkPipelineLayoutCreateInfo info = {
             .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,

@@ -220,7 +220,8 @@ static void choice_frame(const void *user, uint32_t n, girih_frame *frame, bench
     const choice *c = user;
     *frame = frame_of(&c->draw, c->kept[n % 2 ? 0 : 1 + n / 2 % (KEPT - 1)].seed);
     // A unit sphere seen whole: orthographic, looking along -z.
-    *view = (bench_view){{{0.9f, 0, 0, 0}, {0, -0.9f, 0, 0}, {0, 0, -0.4f, 0.5f}, {0, 0, 0, 1}}};
+    *view = (bench_view){
+        .rows = {{0.9f, 0, 0, 0}, {0, -0.9f, 0, 0}, {0, 0, -0.4f, 0.5f}, {0, 0, 0, 1}}};
 }
 
 // --- Rows ---------------------------------------------------------------------------------------

@@ -90,6 +90,26 @@ static VkResult create_pass(bench_target *target) {
     return result;
 }
 
+// The pass of transform feedback that is not drawn.
+static VkResult create_empty_pass(bench_target *target) {
+    const VkSubpassDescription subpass = {.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS};
+    const VkRenderPassCreateInfo info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
+                                         .subpassCount = 1,
+                                         .pSubpasses = &subpass};
+    const VkDevice device = target->device->device;
+    VkResult result = vkCreateRenderPass(device, &info, NULL, &target->empty_pass);
+    if (result == VK_SUCCESS) {
+        const VkFramebufferCreateInfo framebuffer = {.sType =
+                                                         VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
+                                                     .renderPass = target->empty_pass,
+                                                     .width = 1,
+                                                     .height = 1,
+                                                     .layers = 1};
+        result = vkCreateFramebuffer(device, &framebuffer, NULL, &target->empty_framebuffer);
+    }
+    return result;
+}
+
 // --- The view -----------------------------------------------------------------------------------
 
 static VkResult create_view_set(bench_target *target) {
@@ -100,7 +120,7 @@ static VkResult create_view_set(bench_target *target) {
             (VkDescriptorSetLayoutBinding){.binding = n,
                                            .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
                                            .descriptorCount = 1,
-                                           .stageFlags = bench_view_stages(target)};
+                                           .stageFlags = bench_target_stages(target)};
     }
     const VkDescriptorSetLayoutCreateInfo layout = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
@@ -138,6 +158,10 @@ static VkResult create_view_set(bench_target *target) {
         vkUpdateDescriptorSets(device, 1, &write, 0, NULL);
     }
     return result;
+}
+
+void bench_target_use_panorama(bench_target *target) {
+    target->cylindrical = VK_TRUE;
 }
 
 girih_result bench_target_set_view(bench_target *target, const bench_view *view,
@@ -195,6 +219,9 @@ girih_result bench_target_create(girih_device *device, bench_target **out, girih
     if (result == GIRIH_OK) {
         VkResult created = create_pass(target);
         if (created == VK_SUCCESS) {
+            created = create_empty_pass(target);
+        }
+        if (created == VK_SUCCESS) {
             created = create_view_set(target);
         }
         if (created != VK_SUCCESS) {
@@ -217,6 +244,8 @@ void bench_target_destroy(bench_target *target) {
     vkDestroyDescriptorPool(device, target->view_pool, NULL);
     vkDestroyDescriptorSetLayout(device, target->view_layout, NULL);
     vkDestroyShaderModule(device, target->fragment, NULL);
+    vkDestroyFramebuffer(device, target->empty_framebuffer, NULL);
+    vkDestroyRenderPass(device, target->empty_pass, NULL);
     vkDestroyFramebuffer(device, target->framebuffer, NULL);
     vkDestroyRenderPass(device, target->pass, NULL);
     girih_device_buffer_destroy(target->device, &target->counter);
@@ -252,6 +281,23 @@ void bench_target_begin(const bench_target *target, VkCommandBuffer commands, be
 }
 
 void bench_target_end(const bench_target *target, VkCommandBuffer commands) {
+    (void)target;
+    vkCmdEndRenderPass(commands);
+}
+
+void bench_feedback_begin(const bench_target *target, VkCommandBuffer commands) {
+    const VkRect2D all = {.extent = {1, 1}};
+    const VkRenderPassBeginInfo pass = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+                                        .renderPass = target->empty_pass,
+                                        .framebuffer = target->empty_framebuffer,
+                                        .renderArea = all};
+    const VkViewport viewport = {.width = 1, .height = 1, .maxDepth = 1};
+    vkCmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
+    vkCmdSetViewport(commands, 0, 1, &viewport);
+    vkCmdSetScissor(commands, 0, 1, &all);
+}
+
+void bench_feedback_end(const bench_target *target, VkCommandBuffer commands) {
     (void)target;
     vkCmdEndRenderPass(commands);
 }

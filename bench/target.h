@@ -15,11 +15,20 @@ typedef enum bench_raster { BENCH_GEOMETRY, BENCH_SHADED, BENCH_CAPTURE } bench_
 // The view as shaders/view.glsl has it.
 typedef struct bench_view {
     float rows[4][4]; // world to clip space, by rows
+    float eye[4];     // and the rest, with bench_target_use_panorama: one slice of a panorama,
+    float forward[4]; // w: half its angle
+    float right[4];
+    float up[4];
+    float slopes[2]; // as panorama.glsl has them
+    float depth[2];
 } bench_view;
 
 typedef struct bench_target bench_target;
 girih_result bench_target_create(girih_device *device, bench_target **target, girih_error *error);
 void bench_target_destroy(bench_target *target); // takes NULL
+
+// Pipelines that are made from now on draw a panorama, views' slices, instead of views' rows.
+void bench_target_use_panorama(bench_target *target);
 
 // Takes up the view and the levels of the next frames, as far as rivals' shaders read them; no
 // frame may be under way.
@@ -51,6 +60,13 @@ girih_result bench_pipelines_create(const bench_target *target, const bench_pipe
                                     VkPipeline pipelines[BENCH_RASTERS], girih_error *error);
 void bench_pipelines_destroy(const bench_target *target, VkPipeline pipelines[BENCH_RASTERS]);
 
+// A pipeline whose last stage before the rasteriser writes by transform feedback, with nothing
+// rasterised: for passes before the one that draws, between bench_feedback_begin and _end.
+// `capture` of the description is not looked at.
+girih_result bench_feedback_pipeline_create(const bench_target *target,
+                                            const bench_pipeline_desc *desc, VkPipeline *pipeline,
+                                            girih_error *error);
+
 // A layout with the view as set 0, the method's storage buffers, if it has any, as set 1, and push
 // constants, if any, for all stages.
 typedef struct bench_layout {
@@ -63,6 +79,9 @@ girih_result bench_layout_create(const bench_target *target, const VkBuffer *sto
                                  uint32_t storage_buffer_count, uint32_t push_bytes,
                                  bench_layout *layout, girih_error *error);
 void bench_layout_destroy(const bench_target *target, bench_layout *layout);
+
+// The stages that all of it is for, as vkCmdPushConstants must have them.
+VkShaderStageFlags bench_target_stages(const bench_target *target);
 
 // Binds the view and the layout's own set.
 void bench_bind_layout(const bench_target *target, VkCommandBuffer commands,
@@ -82,6 +101,10 @@ typedef struct bench_feedback {
 const bench_feedback *bench_target_feedback(const bench_target *target);
 
 // --- Frames ---
+
+// Begins and ends a pass without images, for a feedback pipeline's draws.
+void bench_feedback_begin(const bench_target *target, VkCommandBuffer commands);
+void bench_feedback_end(const bench_target *target, VkCommandBuffer commands);
 
 // Begins and ends the pass around a method's draws. Where nothing is rasterised only one pixel is
 // cleared: the clear of a whole picture costs more than a small frame.

@@ -9,6 +9,8 @@ struct bench_target {
     girih_device_image color, depth;
     VkRenderPass pass;
     VkFramebuffer framebuffer;
+    VkRenderPass empty_pass; // without images
+    VkFramebuffer empty_framebuffer;
     VkShaderModule fragment;
     // Set 0 of every method: the view and the frame's levels.
     VkDescriptorSetLayout view_layout;
@@ -21,11 +23,9 @@ struct bench_target {
     girih_device_buffer captured; // corners of BENCH_CAPTURE
     girih_device_buffer counter;  // bytes captured
     uint32_t capture_room;        // triangles
+    VkBool32 cylindrical;         // constant 100 of all shaders
 };
 
 #define BENCH_CORNER_BYTES 24u
-
-// The stages that read the view.
-VkShaderStageFlags bench_view_stages(const bench_target *target);
 
 #endif

@@ -239,13 +239,13 @@ static int run_emit_permutation(const arguments *arguments) {
     }
     girih_error error;
     girih_permutation table[GIRIH_LAMBDA_COUNT];
-    girih_output output;
+    girih_pattern_output output;
     if (girih_permutation_derive(table, &error) != GIRIH_OK ||
-        girih_output_open(&output, arguments->output, &error) != GIRIH_OK) {
+        girih_pattern_output_open(&output, arguments->output, &error) != GIRIH_OK) {
         return failed(arguments, NULL, &error);
     }
     girih_permutation_emit(table, output.stream);
-    if (girih_output_commit(&output, &error) != GIRIH_OK) {
+    if (girih_pattern_output_commit(&output, &error) != GIRIH_OK) {
         return failed(arguments, NULL, &error);
     }
     return EXIT_SUCCESS;
@@ -276,11 +276,11 @@ static int run_embed(const arguments *arguments) {
     if (open_catalogue(&mapped, arguments->file, &error) != GIRIH_OK) {
         return failed(arguments, arguments->file, &error);
     }
-    girih_output output;
-    girih_result result = girih_output_open(&output, arguments->output, &error);
+    girih_pattern_output output;
+    girih_result result = girih_pattern_output_open(&output, arguments->output, &error);
     if (result == GIRIH_OK) {
         girih_report_embed(mapped.catalogue, arguments->symbol, output.stream);
-        result = girih_output_commit(&output, &error);
+        result = girih_pattern_output_commit(&output, &error);
     }
     close_catalogue(&mapped);
     return result == GIRIH_OK ? EXIT_SUCCESS : failed(arguments, NULL, &error);

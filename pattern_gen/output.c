@@ -11,14 +11,15 @@
 
 #include "error.h"
 
-static void release(girih_output *output) {
+static void release(girih_pattern_output *output) {
     free(output->temporary);
     free(output->path);
-    *output = (girih_output){0};
+    *output = (girih_pattern_output){0};
 }
 
-girih_result girih_output_open(girih_output *output, const char *path, girih_error *error) {
-    *output = (girih_output){0};
+girih_result girih_pattern_output_open(girih_pattern_output *output, const char *path,
+                                       girih_error *error) {
+    *output = (girih_pattern_output){0};
     struct stat status;
     bool exists = stat(path, &status) == 0;
     if (exists && !S_ISREG(status.st_mode)) {
@@ -49,7 +50,7 @@ girih_result girih_output_open(girih_output *output, const char *path, girih_err
     return GIRIH_OK;
 }
 
-girih_result girih_output_commit(girih_output *output, girih_error *error) {
+girih_result girih_pattern_output_commit(girih_pattern_output *output, girih_error *error) {
     errno = 0;
     bool written = fflush(output->stream) == 0 && !ferror(output->stream);
     written = fclose(output->stream) == 0 && written;
@@ -63,7 +64,7 @@ girih_result girih_output_commit(girih_output *output, girih_error *error) {
     return result;
 }
 
-void girih_output_discard(girih_output *output) {
+void girih_pattern_output_discard(girih_pattern_output *output) {
     fclose(output->stream);
     unlink(output->temporary);
     release(output);

@@ -181,14 +181,14 @@ girih_result girih_catalogue_write(const girih_family *family, girih_spacing spa
                           header.pattern_count);
     }
     lay_out(family, &header, patterns);
-    girih_output output;
-    girih_result result = girih_output_open(&output, path, error);
+    girih_pattern_output output;
+    girih_result result = girih_pattern_output_open(&output, path, error);
     if (result == GIRIH_OK) {
         result = write_all(family, &header, patterns, output.stream, progress, error);
         if (result == GIRIH_OK) {
-            result = girih_output_commit(&output, error);
+            result = girih_pattern_output_commit(&output, error);
         } else {
-            girih_output_discard(&output);
+            girih_pattern_output_discard(&output);
         }
     }
     free(patterns);

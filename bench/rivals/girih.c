@@ -125,11 +125,16 @@ bool bench_girih_overflow(void *state) {
     return girih_plan_statistics(s->plan).overflow;
 }
 
+static uint64_t drawn(void *state) {
+    const own *s = state;
+    return girih_plan_statistics(s->plan).output_triangles;
+}
+
 #define OWN(NAME, VARIANT, UNFIT, PREPARE)                                                         \
     {                                                                                              \
         .name = NAME, .follows = "this project", .variant = VARIANT, .unfit = UNFIT,               \
         .create = create, .destroy = bench_girih_destroy, .prepare = PREPARE,                      \
-        .draw = bench_girih_draw, .overflow = bench_girih_overflow                                 \
+        .draw = bench_girih_draw, .overflow = bench_girih_overflow, .drawn = drawn                 \
     }
 
 const bench_method bench_girih = OWN("girih", AUTO, NULL, bench_girih_prepare);
