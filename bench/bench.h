@@ -87,6 +87,11 @@ girih_result bench_measure(const bench_run *run, bench_case_job *job,
                            const bench_method *const *methods, uint32_t method_count,
                            json_t *figures, girih_error *error);
 
+// The second method of a pair against the first, geometry and shaded, nothing else; or {"unfit"}.
+girih_result bench_measure_pair(const bench_run *run, bench_case_job *job,
+                                const bench_method *const pair[2], json_t *object,
+                                girih_error *error);
+
 // Appends a case's object to the run's.
 girih_result bench_add_case(const bench_run *run, const bench_case_job *job, json_t *figures,
                             girih_error *error);

@@ -126,6 +126,22 @@ static char *help_text(int key, const char *text, void *input) {
     return fclose(stream) == 0 ? whole : NULL;
 }
 
+// One line: ratios of figures that have both.
+static void print_ratios(const char *name, const json_t *figures) {
+    const json_t *g = json_object_get(figures, "geometry");
+    const json_t *s = json_object_get(figures, "shaded");
+    if (!g || !s) {
+        return;
+    }
+    printf("  %-20s geometry %6.2f (%.2f to %.2f), shaded %6.2f (%.2f to %.2f)\n", name,
+           json_real_value(json_object_get(g, "ratio")),
+           json_real_value(json_object_get(g, "ratio_low")),
+           json_real_value(json_object_get(g, "ratio_high")),
+           json_real_value(json_object_get(s, "ratio")),
+           json_real_value(json_object_get(s, "ratio_low")),
+           json_real_value(json_object_get(s, "ratio_high")));
+}
+
 static void print_table(const json_t *report) {
     size_t n;
     const json_t *item;
@@ -139,19 +155,9 @@ static void print_table(const json_t *report) {
         const char *name;
         json_t *figures;
         json_object_foreach(json_object_get(item, "methods"), name, figures) {
-            const json_t *g = json_object_get(figures, "geometry");
-            const json_t *s = json_object_get(figures, "shaded");
-            if (!g || !s) {
-                continue;
-            }
-            printf("  %-16s geometry %6.2f (%.2f to %.2f), shaded %6.2f (%.2f to %.2f)\n", name,
-                   json_real_value(json_object_get(g, "ratio")),
-                   json_real_value(json_object_get(g, "ratio_low")),
-                   json_real_value(json_object_get(g, "ratio_high")),
-                   json_real_value(json_object_get(s, "ratio")),
-                   json_real_value(json_object_get(s, "ratio_low")),
-                   json_real_value(json_object_get(s, "ratio_high")));
+            print_ratios(name, figures);
         }
+        print_ratios("hardware to girih", json_object_get(item, "against_hardware"));
     }
 }
 
@@ -164,7 +170,7 @@ static girih_result run_cases(const arguments *a, bench_run *run, girih_error *e
             return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "--csv %s: %s", a->samples,
                               strerror(errno));
         }
-        fprintf(run->samples, "case,method,raster,pair,ms,first_method_ms,cpu_ms,"
+        fprintf(run->samples, "case,method,first_method,raster,pair,ms,first_method_ms,cpu_ms,"
                               "first_method_cpu_ms\n");
     }
     for (size_t n = 0; n < CASE_COUNT && result == GIRIH_OK; ++n) {

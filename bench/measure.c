@@ -85,12 +85,12 @@ static json_t *figures_of(const samples *s, uint32_t pairs) {
                      "ratio_low", low, "ratio_high", high, "cpu_ratio", cpu_ratio);
 }
 
-static void write_sample(const bench_run *run, const char *name, const bench_method *method,
+static void write_sample(const bench_run *run, const char *name, const bench_method *const pair[2],
                          const char *raster, uint32_t n, const bench_time *own,
                          const bench_time *base) {
     if (run->samples) {
-        fprintf(run->samples, "\"%s\",%s,%s,%u,%.6f,%.6f,%.6f,%.6f\n", name, method->name, raster,
-                n, own->wall, base->wall, own->cpu, base->cpu);
+        fprintf(run->samples, "\"%s\",%s,%s,%s,%u,%.6f,%.6f,%.6f,%.6f\n", name, pair[1]->name,
+                pair[0]->name, raster, n, own->wall, base->wall, own->cpu, base->cpu);
     }
 }
 
@@ -110,7 +110,7 @@ static girih_result measure_raster(const bench_run *run, bench_case_job *job,
             result = bench_frame(job, methods[which], states[which], raster, n, time, error);
         }
         if (result == GIRIH_OK) {
-            write_sample(run, job->job.name, methods[1], raster_names[raster], n, &s->own[n],
+            write_sample(run, job->job.name, methods, raster_names[raster], n, &s->own[n],
                          &s->base[n]);
         }
     }
@@ -178,9 +178,10 @@ static void drop_points(bench_triangles *triangles) {
 static girih_result capture(bench_case_job *job, const bench_method *method, void *state,
                             bench_triangles *triangles, girih_error *error) {
     bench_time time;
-    // Other patterns than girih's may put out more.
+    // Other patterns than girih's may put out more: fractional odd spacing makes 9 to 13 triangles
+    // of 2 to 4.
     girih_result result =
-        bench_capture_reserve(job->job.target, 3 * job->job.room_triangles + 64, error);
+        bench_capture_reserve(job->job.target, 5 * job->job.room_triangles + 64, error);
     if (result == GIRIH_OK) {
         result = bench_frame(job, method, state, BENCH_CAPTURE, 1, &time, error);
     }
@@ -221,20 +222,14 @@ static girih_result agree(bench_case_job *job, const bench_method *method, void 
 
 // --- All methods --------------------------------------------------------------------------------
 
-static girih_result measure_method(const bench_run *run, bench_case_job *job,
-                                   const bench_method *const pair[2], void *const states[2],
-                                   bench_triangles *reference, json_t *object, girih_error *error) {
-    girih_result result = GIRIH_OK;
-    if (reference->corners) {
-        result = agree(job, pair[1], states[1], reference, object, error);
-    }
-    if (result == GIRIH_OK && run->pictures) {
-        result = write_picture(run, job, pair[1], states[1], error);
-    }
+static girih_result measure_rasters(const bench_run *run, bench_case_job *job,
+                                    const bench_method *const pair[2], void *const states[2],
+                                    json_t *object, girih_error *error) {
     samples *s = malloc(sizeof *s);
     if (!s) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
+    girih_result result = GIRIH_OK;
     for (uint32_t raster = 0; raster < 2 && result == GIRIH_OK; ++raster) {
         char line[256];
         snprintf(line, sizeof line, "%s: %s, %s", job->job.name, pair[1]->name,
@@ -250,6 +245,22 @@ static girih_result measure_method(const bench_run *run, bench_case_job *job,
     return result;
 }
 
+static girih_result measure_method(const bench_run *run, bench_case_job *job,
+                                   const bench_method *const pair[2], void *const states[2],
+                                   bench_triangles *reference, json_t *object, girih_error *error) {
+    girih_result result = GIRIH_OK;
+    if (reference->corners) {
+        result = agree(job, pair[1], states[1], reference, object, error);
+    }
+    if (result == GIRIH_OK && run->pictures) {
+        result = write_picture(run, job, pair[1], states[1], error);
+    }
+    if (result == GIRIH_OK) {
+        result = measure_rasters(run, job, pair, states, object, error);
+    }
+    return result;
+}
+
 girih_result bench_measure(const bench_run *run, bench_case_job *job,
                            const bench_method *const *methods, uint32_t method_count,
                            json_t *figures, girih_error *error) {
@@ -260,7 +271,8 @@ girih_result bench_measure(const bench_run *run, bench_case_job *job,
         result = capture(job, methods[0], base, &reference, error);
     }
     for (uint32_t n = 0; n < method_count && result == GIRIH_OK; ++n) {
-        json_t *object = json_object();
+        json_t *object =
+            json_pack("{s:s,s:s*}", "follows", methods[n]->follows, "note", methods[n]->note);
         json_object_set_new(figures, methods[n]->name, object);
         const char *why = methods[n]->unfit ? methods[n]->unfit(&job->job) : NULL;
         if (why) {
@@ -279,6 +291,30 @@ girih_result bench_measure(const bench_run *run, bench_case_job *job,
     }
     free(reference.corners);
     methods[0]->destroy(base);
+    return result;
+}
+
+girih_result bench_measure_pair(const bench_run *run, bench_case_job *job,
+                                const bench_method *const pair[2], json_t *object,
+                                girih_error *error) {
+    void *states[2] = {NULL, NULL};
+    girih_result result = GIRIH_OK;
+    for (uint32_t n = 0; n < 2; ++n) {
+        const char *why = pair[n]->unfit ? pair[n]->unfit(&job->job) : NULL;
+        if (why) {
+            json_object_set_new(object, "unfit", json_string(why));
+            return GIRIH_OK;
+        }
+    }
+    for (uint32_t n = 0; n < 2 && result == GIRIH_OK; ++n) {
+        result = pair[n]->create(&job->job, pair[n]->variant, &states[n], error);
+    }
+    if (result == GIRIH_OK) {
+        result = measure_rasters(run, job, pair, states, object, error);
+    }
+    for (uint32_t n = 0; n < 2; ++n) {
+        pair[n]->destroy(states[n]);
+    }
     return result;
 }
 

@@ -41,6 +41,7 @@ typedef struct bench_job {
 typedef struct bench_method {
     const char *name;    // in reports: lower case, hyphens
     const char *follows; // the paper, standard or program it follows
+    const char *note;    // what whoever reads its figures must know; NULL: nothing
     int variant;         // for `create`: where one file makes several methods
 
     // NULL where the device and the job suit the method, else why not, in one line. May be NULL.

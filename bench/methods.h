@@ -46,4 +46,8 @@ extern const bench_method bench_knuth_warped;
 extern const bench_method bench_suapt;
 extern const bench_method bench_uniform_pn;
 
+// Tessellation control and evaluation stages.
+extern const bench_method bench_hardware;            // equal spacing
+extern const bench_method bench_hardware_fractional; // fractional odd spacing
+
 #endif

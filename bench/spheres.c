@@ -1,5 +1,6 @@
 // Case `spheres`: few triangles refined far, many refined little; Curved PN, random dyadic levels
-// that change every frame.
+// that change every frame. Beside all methods' ratios to the static mesh, `against_hardware` has
+// hardware tessellation's to girih: how many times as fast girih is.
 #include "bench.h"
 #include "methods.h"
 
@@ -13,13 +14,15 @@ static const struct {
 
 static const bench_method *const methods[] = {&bench_static,          &bench_girih,
                                               &bench_girih_unchanged, &bench_girih_baked,
-                                              &bench_girih_welded,    &bench_girih_instanced};
+                                              &bench_girih_welded,    &bench_girih_instanced,
+                                              &bench_hardware,        &bench_hardware_fractional};
 
 static girih_result run_case(const bench_run *run, bench_target *target, size_t n,
                              girih_error *error) {
     bench_mesh mesh = {0};
     bench_case_job job = {0};
     json_t *figures = json_object();
+    json_t *against = json_object();
     girih_result result = bench_sphere(cases[n].halvings, &mesh, error);
     if (result == GIRIH_OK) {
         const bench_job_desc desc = {.name = cases[n].name,
@@ -35,8 +38,17 @@ static girih_result run_case(const bench_run *run, bench_target *target, size_t 
             bench_measure(run, &job, methods, sizeof methods / sizeof *methods, figures, error);
     }
     if (result == GIRIH_OK) {
+        static const bench_method *const pair[2] = {&bench_girih, &bench_hardware};
+        result = bench_measure_pair(run, &job, pair, against, error);
+    }
+    if (result == GIRIH_OK) {
         result = bench_add_case(run, &job, figures, error);
     }
+    if (result == GIRIH_OK) {
+        json_t *item = json_array_get(run->cases, json_array_size(run->cases) - 1);
+        json_object_set(item, "against_hardware", against);
+    }
+    json_decref(against);
     json_decref(figures);
     bench_job_destroy(&job);
     bench_mesh_free(&mesh);

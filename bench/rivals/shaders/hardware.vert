@@ -1,0 +1,13 @@
+// The corners of a patch, as they are in the vertex buffer.
+#version 450
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+
+layout(location = 0) out vec3 corner_position;
+layout(location = 1) out vec3 corner_normal;
+
+void main() {
+    corner_position = position;
+    corner_normal = normal;
+}
