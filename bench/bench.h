@@ -78,6 +78,11 @@ typedef struct bench_time {
 girih_result bench_frame(bench_case_job *job, const bench_method *method, void *state,
                          bench_raster raster, uint32_t n, bench_time *time, girih_error *error);
 
+// The triangles of frame n of a method; the caller's, to be freed. GIRIH_ERROR_UNSUPPORTED without
+// transform feedback.
+girih_result bench_capture(bench_case_job *job, const bench_method *method, void *state, uint32_t n,
+                           bench_triangles *triangles, girih_error *error);
+
 // Every method against the first, in alternating pairs after a warm-up, geometry and shaded. Before
 // that, frame 1 of every method is captured and compared with the first's, triangle by triangle,
 // and its picture is kept where pictures are wanted. Adds
@@ -101,6 +106,9 @@ girih_result bench_spheres(const bench_run *run, girih_error *error);
 girih_result bench_bake(const bench_run *run, girih_error *error);
 girih_result bench_conditions(const bench_run *run, girih_error *error);
 girih_result bench_knuth_case(const bench_run *run, girih_error *error);
+// Equal error, not equal time: how far each method's triangles, at several finenesses, are from the
+// surface that they stand for. No times.
+girih_result bench_errors(const bench_run *run, girih_error *error);
 girih_result bench_instances(const bench_run *run, girih_error *error);
 girih_result bench_cities(const bench_run *run, girih_error *error);
 // For each input size and fineness that fits: the stages' and the whole time, medians of at most

@@ -26,6 +26,7 @@ static const struct bench_case {
     girih_result (*run)(const bench_run *run, girih_error *error);
 } cases[] = {
     {"spheres", "Curved PN spheres with random levels, against the static mesh", bench_spheres},
+    {"errors", "triangles against distance, normal and picture errors", bench_errors},
     {"instances", "a thousand instances of a hundred meshes, against one mesh", bench_instances},
     {"cities", "DMR's flight through two cities in a cylindrical projection", bench_cities},
     {"conditions", "few groups or many, views that move or stand, surfaces", bench_conditions},
@@ -142,6 +143,22 @@ static void print_ratios(const char *name, const json_t *figures) {
            json_real_value(json_object_get(s, "ratio_high")));
 }
 
+// One line a point of the case `errors`.
+static void print_points(const json_t *points) {
+    size_t n;
+    const json_t *point;
+    json_array_foreach(points, n, point) {
+        printf("  %-28s %8" JSON_INTEGER_FORMAT " triangles: distance %.2e, normals %.3f degrees "
+               "(most %.3f), picture %.2f\n",
+               json_string_value(json_object_get(point, "method")),
+               json_integer_value(json_object_get(point, "triangles")),
+               json_real_value(json_object_get(point, "hausdorff")),
+               json_real_value(json_object_get(point, "normal_degrees_mean")),
+               json_real_value(json_object_get(point, "normal_degrees_max")),
+               json_real_value(json_object_get(point, "image_rms")));
+    }
+}
+
 static void print_table(const json_t *report) {
     size_t n;
     const json_t *item;
@@ -157,6 +174,7 @@ static void print_table(const json_t *report) {
         json_object_foreach(json_object_get(item, "methods"), name, figures) {
             print_ratios(name, figures);
         }
+        print_points(json_object_get(item, "points"));
         print_ratios("hardware to girih", json_object_get(item, "against_hardware"));
     }
 }

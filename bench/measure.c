@@ -175,15 +175,15 @@ static void drop_points(bench_triangles *triangles) {
     triangles->count = kept;
 }
 
-static girih_result capture(bench_case_job *job, const bench_method *method, void *state,
-                            bench_triangles *triangles, girih_error *error) {
+girih_result bench_capture(bench_case_job *job, const bench_method *method, void *state, uint32_t n,
+                           bench_triangles *triangles, girih_error *error) {
     bench_time time;
     // Other patterns than girih's may put out more: fractional odd spacing makes 9 to 13 triangles
     // of 2 to 4.
     girih_result result =
         bench_capture_reserve(job->job.target, 5 * job->job.room_triangles + 64, error);
     if (result == GIRIH_OK) {
-        result = bench_frame(job, method, state, BENCH_CAPTURE, 1, &time, error);
+        result = bench_frame(job, method, state, BENCH_CAPTURE, n, &time, error);
     }
     if (result == GIRIH_OK) {
         result = bench_capture_read(job->job.target, triangles, error);
@@ -200,7 +200,7 @@ static girih_result agree(bench_case_job *job, const bench_method *method, void 
     bench_triangles triangles = {0};
     bench_agreement agreement;
     uint64_t open = 0;
-    girih_result result = capture(job, method, state, &triangles, error);
+    girih_result result = bench_capture(job, method, state, 1, &triangles, error);
     if (result == GIRIH_OK) {
         result = bench_compare(reference, &triangles, &agreement, error);
     }
@@ -268,7 +268,7 @@ girih_result bench_measure(const bench_run *run, bench_case_job *job,
     bench_triangles reference = {0};
     girih_result result = methods[0]->create(&job->job, methods[0]->variant, &base, error);
     if (result == GIRIH_OK && job->job.device->has_transform_feedback) {
-        result = capture(job, methods[0], base, &reference, error);
+        result = bench_capture(job, methods[0], base, 1, &reference, error);
     }
     for (uint32_t n = 0; n < method_count && result == GIRIH_OK; ++n) {
         json_t *object =
