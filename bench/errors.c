@@ -265,11 +265,12 @@ static girih_result measure_length(bench_case_job *job, const surface *s, const 
     }
     if (result == GIRIH_OK) {
         json_array_append_new(
-            points, json_pack("{s:s,s:f,s:I,s:I,s:f,s:f,s:f,s:f,s:f}", "method", name, "length",
-                              (double)lengths[n], "triangles", (json_int_t)triangles.count,
-                              "hausdorff", found.hausdorff, "hausdorff_back", found.hausdorff_back,
-                              "normal_degrees_mean", found.normal_mean, "normal_degrees_max",
-                              found.normal_max, "image_rms", found.image));
+            points,
+            json_pack("{s:s,s:f,s:I,s:I,s:f,s:f,s:f,s:f,s:f}", "method", name, "length",
+                      (double)lengths[n], "triangles", (json_int_t)triangles.count, "open_edges",
+                      (json_int_t)open, "hausdorff", found.hausdorff, "hausdorff_back",
+                      found.hausdorff_back, "normal_degrees_mean", found.normal_mean,
+                      "normal_degrees_max", found.normal_max, "image_rms", found.image));
     }
     free(picture);
     free(triangles.corners);
