@@ -6,6 +6,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "rival.glsl"
+#include "culling.glsl"
 #define BENCH_CONTROL
 #include "hardware.glsl"
 
@@ -30,10 +31,14 @@ void main() {
 #endif
     barrier();
     if (n == 0) {
-        // As fine inside as the finest edge asks for: the custom of all uses of this stage.
+        // As fine inside as the finest edge asks for: the custom with this stage, and what girih's patterns are.
         gl_TessLevelInner[0] = max(max(gl_TessLevelOuter[0], gl_TessLevelOuter[1]), gl_TessLevelOuter[2]);
+        vec3 points[10];
+        for (int corner = 0; corner < 3; ++corner) {
+            points[corner] = corners[corner].position;
+        }
+        int count = 3;
 #if GIRIH_CURVED == 1
-        vec3 ends[3] = {corners[0].position, corners[1].position, corners[2].position};
         GirihPnPoints c;
         c.b210 = corners[0].near_first;
         c.b120 = corners[0].near_last;
@@ -41,8 +46,22 @@ void main() {
         c.b012 = corners[1].near_last;
         c.b102 = corners[2].near_first;
         c.b201 = corners[2].near_last;
-        girih_pn_centre(ends, c);
+        girih_pn_centre(vec3[3](points[0], points[1], points[2]), c);
         inner_point = c.b111;
+        for (int edge = 0; edge < 3; ++edge) {
+            points[3 + 2 * edge] = corners[edge].near_first;
+            points[4 + 2 * edge] = corners[edge].near_last;
+        }
+        points[9] = c.b111;
+        count = 10;
 #endif
+        // By girih's own bounds, so that the same triangles are hidden. No turn or one: a CPU device would run a
+        // branch's body in any case.
+        const GirihTransform world = GirihTransform(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
+        for (uint turn = 0u; turn < min(girih_frame.cull, 1u); ++turn) {
+            if (girih_culled(points, count, world, false, false)) {
+                gl_TessLevelOuter[0] = 0.0; // hides the patch
+            }
+        }
     }
 }

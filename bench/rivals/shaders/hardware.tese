@@ -10,7 +10,8 @@
 #include "rival.glsl"
 #include "hardware.glsl"
 
-layout(triangles, BENCH_SPACING, ccw) in;
+// With Vulkan's origin of the domain, the upper left, cw is what keeps the winding of the patch's corners.
+layout(triangles, BENCH_SPACING, cw) in;
 
 void main() {
     GirihPatch patch_;
