@@ -17,8 +17,9 @@
 static const float lengths[] = {0.4f, 0.28f, 0.2f, 0.14f, 0.1f, 0.07f, 0.05f, 0.035f, 0.025f};
 #define LENGTH_COUNT ((uint32_t)(sizeof lengths / sizeof *lengths))
 
-static const bench_method *const methods[] = {&bench_girih, &bench_hardware,
-                                              &bench_hardware_fractional};
+static const bench_method *const methods[] = {
+    &bench_girih,        &bench_hardware, &bench_hardware_fractional, &bench_knuth,
+    &bench_knuth_warped, &bench_suapt,    &bench_uniform_pn};
 
 static const struct {
     const char *name;
@@ -271,6 +272,12 @@ static girih_result measure_length(bench_case_job *job, const surface *s, const 
                       (json_int_t)open, "hausdorff", found.hausdorff, "hausdorff_back",
                       found.hausdorff_back, "normal_degrees_mean", found.normal_mean,
                       "normal_degrees_max", found.normal_max, "image_rms", found.image));
+    }
+    // Some methods cannot put out as much as the finest ask for.
+    if (result == GIRIH_ERROR_TOO_LARGE) {
+        json_array_append_new(points, json_pack("{s:s,s:f,s:s}", "method", name, "length",
+                                                (double)lengths[n], "unfit", error->message));
+        result = GIRIH_OK;
     }
     free(picture);
     free(triangles.corners);

@@ -148,6 +148,9 @@ static void print_points(const json_t *points) {
     size_t n;
     const json_t *point;
     json_array_foreach(points, n, point) {
+        if (json_object_get(point, "unfit")) {
+            continue;
+        }
         printf("  %-28s %8" JSON_INTEGER_FORMAT " triangles: distance %.2e, normals %.3f degrees "
                "(most %.3f), picture %.2f\n",
                json_string_value(json_object_get(point, "method")),

@@ -100,7 +100,7 @@ static girih_result create_pipelines(hardware *s, int variant, girih_error *erro
         .vertexAttributeDescriptionCount = 2,
         .pVertexAttributeDescriptions = attributes};
     const bool pn = s->job->surface == GIRIH_SURFACE_PN;
-    const bench_pipeline_desc desc = {.vertex = bench_shader_hardware_vertex,
+    const bench_pipeline_desc desc = {.vertex = bench_shader_corners,
                                       .control = pn ? bench_shader_hardware_control_pn
                                                     : bench_shader_hardware_control_flat,
                                       .evaluation = evaluations[variant][pn].shader,
