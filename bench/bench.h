@@ -101,6 +101,11 @@ girih_result bench_measure_pair(const bench_run *run, bench_case_job *job,
 girih_result bench_add_case(const bench_run *run, const bench_case_job *job, json_t *figures,
                             girih_error *error);
 
+// Makes a job, measures methods on it and adds the case: what most cases are.
+girih_result bench_run_job(const bench_run *run, bench_target *target, const bench_job_desc *desc,
+                           const bench_method *const *methods, uint32_t method_count,
+                           girih_error *error);
+
 // The cases: each appends one or more objects to run->cases.
 girih_result bench_spheres(const bench_run *run, girih_error *error);
 girih_result bench_bake(const bench_run *run, girih_error *error);

@@ -106,8 +106,6 @@ static const struct condition {
 static girih_result run_condition(const bench_run *run, bench_target *target,
                                   const struct condition *c, girih_error *error) {
     bench_mesh mesh = {0};
-    bench_case_job job = {0};
-    json_t *figures = json_object();
     girih_result result = bench_sphere(c->halvings, &mesh, error);
     if (result == GIRIH_OK) {
         const bench_job_desc desc = {.name = c->name,
@@ -117,20 +115,12 @@ static girih_result run_condition(const bench_run *run, bench_target *target,
                                      .surface = c->surface,
                                      .frame = c->frame,
                                      .user = c->user};
-        result = bench_job_create(target, run->device, &desc, &job, error);
-    }
-    if (result == GIRIH_OK) {
         uint32_t count = 0;
         while (count < MOST_METHODS && c->methods[count]) {
             ++count;
         }
-        result = bench_measure(run, &job, c->methods, count, figures, error);
+        result = bench_run_job(run, target, &desc, c->methods, count, error);
     }
-    if (result == GIRIH_OK) {
-        result = bench_add_case(run, &job, figures, error);
-    }
-    json_decref(figures);
-    bench_job_destroy(&job);
     bench_mesh_free(&mesh);
     return result;
 }

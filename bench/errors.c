@@ -226,10 +226,10 @@ static girih_result take_picture(bench_case_job *job, const bench_method *method
 // --- Finenesses ---------------------------------------------------------------------------------
 
 // From above, at 50 degrees, orthographic.
-static const bench_view view_from_above = {{{0.9f, 0, 0, 0},
-                                            {0, -0.578509f, 0.689440f, 0},
-                                            {0, -0.306418f, -0.257115f, 0.5f},
-                                            {0, 0, 0, 1}}};
+static const bench_view view_from_above = {.rows = {{0.9f, 0, 0, 0},
+                                                    {0, -0.578509f, 0.689440f, 0},
+                                                    {0, -0.306418f, -0.257115f, 0.5f},
+                                                    {0, 0, 0, 1}}};
 
 static void length_frame(const void *user, uint32_t n, girih_frame *frame, bench_view *view) {
     (void)user;

@@ -191,23 +191,12 @@ girih_result bench_instances(const bench_run *run, girih_error *error) {
         result = bench_target_create(run->device, &target, error);
     }
     for (size_t n = 0; n < sizeof cases / sizeof *cases && result == GIRIH_OK; ++n) {
-        bench_case_job job = {0};
-        json_t *figures = json_object();
         const bench_job_desc desc = {.name = cases[n].name,
                                      .mesh = &mesh,
                                      .catalogue = girih_catalogue_dyadic(),
                                      .surface = GIRIH_SURFACE_PN,
                                      .frame = frame};
-        result = bench_job_create(target, run->device, &desc, &job, error);
-        const bool fits = !cases[n].methods[0]->unfit || !cases[n].methods[0]->unfit(&job.job);
-        if (result == GIRIH_OK && fits) {
-            result = bench_measure(run, &job, cases[n].methods, 2, figures, error);
-            if (result == GIRIH_OK) {
-                result = bench_add_case(run, &job, figures, error);
-            }
-        }
-        json_decref(figures);
-        bench_job_destroy(&job);
+        result = bench_run_job(run, target, &desc, cases[n].methods, 2, error);
     }
     bench_target_destroy(target);
     bench_mesh_free(&mesh);

@@ -266,6 +266,12 @@ girih_result bench_measure(const bench_run *run, bench_case_job *job,
                            json_t *figures, girih_error *error) {
     void *base = NULL;
     bench_triangles reference = {0};
+    const char *unfit = methods[0]->unfit ? methods[0]->unfit(&job->job) : NULL;
+    if (unfit) {
+        // Nothing to compare the others with.
+        json_object_set_new(figures, methods[0]->name, json_pack("{s:s}", "unfit", unfit));
+        return GIRIH_OK;
+    }
     girih_result result = methods[0]->create(&job->job, methods[0]->variant, &base, error);
     if (result == GIRIH_OK && job->job.device->has_transform_feedback) {
         result = bench_capture(job, methods[0], base, 1, &reference, error);
@@ -342,4 +348,21 @@ girih_result bench_add_case(const bench_run *run, const bench_case_job *job, jso
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
     return GIRIH_OK;
+}
+
+girih_result bench_run_job(const bench_run *run, bench_target *target, const bench_job_desc *desc,
+                           const bench_method *const *methods, uint32_t method_count,
+                           girih_error *error) {
+    bench_case_job job = {0};
+    json_t *figures = json_object();
+    girih_result result = bench_job_create(target, run->device, desc, &job, error);
+    if (result == GIRIH_OK) {
+        result = bench_measure(run, &job, methods, method_count, figures, error);
+    }
+    if (result == GIRIH_OK) {
+        result = bench_add_case(run, &job, figures, error);
+    }
+    json_decref(figures);
+    bench_job_destroy(&job);
+    return result;
 }

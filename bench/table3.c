@@ -272,8 +272,6 @@ static girih_result measure_row(const bench_run *run, bench_target *target, size
                                 girih_error *error) {
     char name[64];
     snprintf(name, sizeof name, "table3 row %zu, %u to %u", row + 1, rows[row].in, rows[row].out);
-    bench_case_job job = {0};
-    json_t *figures = json_object();
     const bench_job_desc desc = {.name = name,
                                  .mesh = mesh,
                                  .catalogue = catalogue_of(&c->draw),
@@ -281,19 +279,11 @@ static girih_result measure_row(const bench_run *run, bench_target *target, size
                                  .frame = choice_frame,
                                  .user = c,
                                  .frame_count = FRAMES};
-    girih_result result = bench_job_create(target, run->device, &desc, &job, error);
-    if (result == GIRIH_OK) {
-        result =
-            bench_measure(run, &job, methods, sizeof methods / sizeof *methods, figures, error);
-    }
-    if (result == GIRIH_OK) {
-        result = bench_add_case(run, &job, figures, error);
-    }
+    girih_result result =
+        bench_run_job(run, target, &desc, methods, sizeof methods / sizeof *methods, error);
     if (result == GIRIH_OK) {
         result = add_facts(run, row, c, what, error);
     }
-    json_decref(figures);
-    bench_job_destroy(&job);
     return result;
 }
 
