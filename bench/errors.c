@@ -273,32 +273,34 @@ static girih_result measure_length(bench_case_job *job, const surface *s, const 
                       found.hausdorff_back, "normal_degrees_mean", found.normal_mean,
                       "normal_degrees_max", found.normal_max, "image_rms", found.image));
     }
-    // Some methods cannot put out as much as the finest ask for.
-    if (result == GIRIH_ERROR_TOO_LARGE) {
-        json_array_append_new(points, json_pack("{s:s,s:f,s:s}", "method", name, "length",
-                                                (double)lengths[n], "unfit", error->message));
-        result = GIRIH_OK;
-    }
     free(picture);
     free(triangles.corners);
     return result;
 }
 
+// Each fineness is the job's reference in its turn: what a method rests on it is as for that
+// fineness alone.
 static girih_result measure_method(bench_case_job *job, const surface *s, const char *spacing,
                                    const bench_method *method, json_t *points, girih_error *error) {
     char name[128];
+    girih_result result = GIRIH_OK;
     snprintf(name, sizeof name, "%s, %s", method->name, spacing);
-    const char *why = method->unfit ? method->unfit(&job->job) : NULL;
-    if (why) {
-        json_array_append_new(points, json_pack("{s:s,s:s}", "method", name, "unfit", why));
-        return GIRIH_OK;
-    }
-    void *state = NULL;
-    girih_result result = method->create(&job->job, method->variant, &state, error);
     for (uint32_t n = 0; n < LENGTH_COUNT && result == GIRIH_OK; ++n) {
-        result = measure_length(job, s, name, method, state, n, points, error);
+        bench_view view;
+        length_frame(NULL, n, &job->job.reference, &view);
+        const char *why = method->unfit ? method->unfit(&job->job) : NULL;
+        if (why) {
+            json_array_append_new(points, json_pack("{s:s,s:f,s:s}", "method", name, "length",
+                                                    (double)lengths[n], "unfit", why));
+            continue;
+        }
+        void *state = NULL;
+        result = method->create(&job->job, method->variant, &state, error);
+        if (result == GIRIH_OK) {
+            result = measure_length(job, s, name, method, state, n, points, error);
+        }
+        method->destroy(state);
     }
-    method->destroy(state);
     return result;
 }
 
