@@ -16,8 +16,8 @@ enum {
 };
 #undef GIRIH_SHADER_ID
 
-// Variants of one shader: at most six of the bits of GIRIH_VARIANT_* concern it.
-#define GIRIH_MAX_VARIANTS 64
+// Variants of one shader: at most eight of the bits of GIRIH_VARIANT_* concern it.
+#define GIRIH_MAX_VARIANTS 256
 
 // A range of a buffer: girih's own, with memory of its own, or a part of the host's.
 typedef struct girih_buffer {
@@ -101,6 +101,7 @@ struct girih_plan {
     girih_mode mode;
     uint32_t outputs;
     uint32_t variant;    // GIRIH_VARIANT_*, without CULL and the rule
+    bool small;          // stages 1 to 4 are one dispatch: glsl/small.comp
     girih_arrays arrays; // counts and frame; the words are gone after the packing
     girih_buffer buffers[GIRIH_PLAN_BUFFERS]; // WORK: frame block and the plan's arrays; STAGING:
                                               // INSTANCES and BLOCKS for upload; STATUS: what the
@@ -204,6 +205,18 @@ uint32_t girih_evaluate_shader(const girih_plan *plan);
 // Whether the host's surface is evaluated in buffers, by its program's pipeline.
 bool girih_evaluates_own_points(const girih_plan *plan);
 
+// --- small.c: stages 1 to 4 of a small plan in one dispatch ---------------------------------------
+
+// Whether a plan is one, by its counts.
+bool girih_is_small(const girih_plan *plan);
+// girih_pipeline_need for every frame that it may be given.
+girih_result girih_small_need(const girih_plan *plan, girih_error *error);
+
+// --- plan.c -------------------------------------------------------------------------------------
+
+// Makes every pipeline that any frame of this plan may use.
+girih_result girih_plan_need_pipelines(const girih_plan *plan, girih_error *error);
+
 // --- pipeline.c ---------------------------------------------------------------------------------
 
 // A compute pipeline from SPIR-V, specialized to a variant's bits, stored into an empty slot unless
@@ -251,6 +264,7 @@ void girih_record_select(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_group(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_weld(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_dispatch(const girih_plan *plan, VkCommandBuffer commands);
+void girih_record_small(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_evaluate(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_output(const girih_plan *plan, VkCommandBuffer commands);
 

@@ -3,8 +3,11 @@
 
 void girih_record_dispatch(const girih_plan *plan, VkCommandBuffer commands) {
     const girih_frame_block *frame = &plan->arrays.frame;
-    girih_bind_pipeline(plan, commands, GIRIH_SHADER_dispatch_groups, 0);
-    girih_dispatch_invocations(plan, commands, 1, 128);
+    girih_bind_pipeline(plan, commands,
+                        plan->context->serial_sort ? GIRIH_SHADER_dispatch_groups_serial
+                                                   : GIRIH_SHADER_dispatch_groups_workgroup,
+                        0);
+    girih_dispatch_invocations(plan, commands, 1, 1);
     if (plan->mode != GIRIH_MODE_INSTANCED && frame->draws_per_material) {
         girih_compute_barrier(plan->context, commands);
         girih_bind_pipeline(plan, commands, GIRIH_SHADER_dispatch_draws, 0);

@@ -7,8 +7,8 @@ void girih_record_group(const girih_plan *plan, VkCommandBuffer commands) {
     const bool serial = context->serial_sort;
     uint32_t bits;
     const uint32_t passes = girih_sort_passes(frame->group_count, &bits);
-    const uint64_t block_invocations = (uint64_t)frame->sort_block_count * (serial ? 1 : 128);
-    const uint32_t block_size = serial ? 8 : 128;
+    const uint64_t block_invocations = (uint64_t)frame->sort_block_count * (serial ? 1 : GIRIH_LARGE_WORKGROUP);
+    const uint32_t block_size = serial ? GIRIH_SERIAL_WORKGROUP : GIRIH_LARGE_WORKGROUP;
     for (uint32_t pass = 0; pass < passes; ++pass) {
         if (pass > 0) {
             girih_compute_barrier(context, commands);
@@ -27,11 +27,13 @@ void girih_record_group(const girih_plan *plan, VkCommandBuffer commands) {
         girih_bind_pipeline(
             plan, commands,
             serial ? GIRIH_SHADER_group_blocks_serial : GIRIH_SHADER_group_blocks_workgroup, 0);
-        girih_dispatch_invocations(plan, commands, (uint64_t)push.bins * (serial ? 1 : 128),
+        girih_dispatch_invocations(plan, commands, (uint64_t)push.bins * (serial ? 1 : GIRIH_LARGE_WORKGROUP),
                                    block_size);
         girih_compute_barrier(context, commands);
-        girih_bind_pipeline(plan, commands, GIRIH_SHADER_group_digits, 0);
-        girih_dispatch_invocations(plan, commands, 1, 128);
+        girih_bind_pipeline(
+            plan, commands,
+            serial ? GIRIH_SHADER_group_digits_serial : GIRIH_SHADER_group_digits_workgroup, 0);
+        girih_dispatch_invocations(plan, commands, 1, 1);
         girih_compute_barrier(context, commands);
         girih_bind_pipeline(
             plan, commands,
@@ -41,6 +43,6 @@ void girih_record_group(const girih_plan *plan, VkCommandBuffer commands) {
     if (passes > 1) {
         girih_compute_barrier(context, commands);
         girih_bind_pipeline(plan, commands, GIRIH_SHADER_group_bounds, 0);
-        girih_dispatch_invocations(plan, commands, frame->group_count, 128);
+        girih_dispatch_invocations(plan, commands, frame->group_count, GIRIH_LARGE_WORKGROUP);
     }
 }

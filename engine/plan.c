@@ -79,40 +79,42 @@ static girih_result validate(const girih_context *context, const girih_plan_desc
     return GIRIH_OK;
 }
 
-// Every pipeline that any frame of this plan may use.
-static girih_result need_pipelines(girih_plan *plan, girih_error *error) {
+girih_result girih_plan_need_pipelines(const girih_plan *plan, girih_error *error) {
     const girih_context *context = plan->context;
     const girih_frame_block *frame = &plan->arrays.frame;
     const bool serial = context->serial_sort;
+    const bool apart = !plan->small;
     const uint32_t select = girih_select_shader(plan);
     const bool own_points = girih_evaluates_own_points(plan);
     const struct {
         uint32_t shader, further;
         bool wanted;
     } needs[] = {
-        {GIRIH_SHADER_levels, GIRIH_LEVELS_UNIFORM << GIRIH_VARIANT_RULE_SHIFT, true},
-        {GIRIH_SHADER_levels, GIRIH_LEVELS_RANDOM << GIRIH_VARIANT_RULE_SHIFT, true},
-        {GIRIH_SHADER_levels, GIRIH_LEVELS_LENGTH << GIRIH_VARIANT_RULE_SHIFT, true},
-        {GIRIH_SHADER_levels, GIRIH_LEVELS_OBJECT_LENGTH << GIRIH_VARIANT_RULE_SHIFT, true},
-        {GIRIH_SHADER_levels, GIRIH_LEVELS_RANDOM_LEVEL << GIRIH_VARIANT_RULE_SHIFT, true},
-        {GIRIH_SHADER_levels, GIRIH_LEVELS_HORIZONTAL << GIRIH_VARIANT_RULE_SHIFT, true},
-        {select, 0, true},
-        {select, GIRIH_VARIANT_CULL, true},
-        {serial ? GIRIH_SHADER_group_count_serial : GIRIH_SHADER_group_count_workgroup, 0, true},
-        {serial ? GIRIH_SHADER_group_blocks_serial : GIRIH_SHADER_group_blocks_workgroup, 0, true},
-        {GIRIH_SHADER_group_digits, 0, true},
-        {serial ? GIRIH_SHADER_group_place_serial : GIRIH_SHADER_group_place_workgroup, 0, true},
-        {GIRIH_SHADER_group_bounds, 0, girih_sort_passes(frame->group_count, &(uint32_t){0}) > 1},
-        {GIRIH_SHADER_dispatch_groups, 0, true},
+        {GIRIH_SHADER_levels, GIRIH_LEVELS_UNIFORM << GIRIH_VARIANT_RULE_SHIFT, apart},
+        {GIRIH_SHADER_levels, GIRIH_LEVELS_RANDOM << GIRIH_VARIANT_RULE_SHIFT, apart},
+        {GIRIH_SHADER_levels, GIRIH_LEVELS_LENGTH << GIRIH_VARIANT_RULE_SHIFT, apart},
+        {GIRIH_SHADER_levels, GIRIH_LEVELS_OBJECT_LENGTH << GIRIH_VARIANT_RULE_SHIFT, apart},
+        {GIRIH_SHADER_levels, GIRIH_LEVELS_RANDOM_LEVEL << GIRIH_VARIANT_RULE_SHIFT, apart},
+        {GIRIH_SHADER_levels, GIRIH_LEVELS_HORIZONTAL << GIRIH_VARIANT_RULE_SHIFT, apart},
+        {select, 0, apart},
+        {select, GIRIH_VARIANT_CULL, apart},
+        {serial ? GIRIH_SHADER_group_count_serial : GIRIH_SHADER_group_count_workgroup, 0, apart},
+        {serial ? GIRIH_SHADER_group_blocks_serial : GIRIH_SHADER_group_blocks_workgroup, 0, apart},
+        {serial ? GIRIH_SHADER_group_digits_serial : GIRIH_SHADER_group_digits_workgroup, 0, apart},
+        {serial ? GIRIH_SHADER_group_place_serial : GIRIH_SHADER_group_place_workgroup, 0, apart},
+        {GIRIH_SHADER_group_bounds, 0,
+         apart && girih_sort_passes(frame->group_count, &(uint32_t){0}) > 1},
+        {serial ? GIRIH_SHADER_dispatch_groups_serial : GIRIH_SHADER_dispatch_groups_workgroup, 0,
+         apart},
         {GIRIH_SHADER_dispatch_draws, 0,
-         plan->mode != GIRIH_MODE_INSTANCED && frame->draws_per_material},
+         apart && plan->mode != GIRIH_MODE_INSTANCED && frame->draws_per_material},
         {own_points ? 0 : girih_evaluate_shader(plan), 0, !own_points},
         {GIRIH_SHADER_output_lists, 0, plan->triangle_windows > 0},
         {GIRIH_SHADER_output_weld_blocks, 0, plan->mode == GIRIH_MODE_WELDED},
         {GIRIH_SHADER_output_weld_sums, 0, plan->mode == GIRIH_MODE_WELDED},
         {GIRIH_SHADER_output_weld_offsets, 0, plan->mode == GIRIH_MODE_WELDED},
     };
-    girih_result result = GIRIH_OK;
+    girih_result result = plan->small ? girih_small_need(plan, error) : GIRIH_OK;
     for (size_t n = 0; n < sizeof needs / sizeof *needs && result == GIRIH_OK; ++n) {
         if (needs[n].wanted) {
             result = girih_pipeline_need(context, needs[n].shader, plan->variant | needs[n].further,
@@ -239,6 +241,7 @@ static girih_result prepare(girih_plan *plan, const girih_plan_desc *desc,
                     (shape.previous ? GIRIH_VARIANT_PREVIOUS : 0) |
                     (plan->scene->table.has_materials ? GIRIH_VARIANT_MATERIALS : 0);
     frame->variant = plan->variant;
+    plan->small = girih_is_small(plan);
     if (result == GIRIH_OK) {
         result = girih_plan_find_needs(plan, desc, needs, error);
     }
@@ -304,7 +307,7 @@ girih_result girih_plan_create(const girih_context *context, const girih_plan_de
         result = girih_plan_create_descriptors(plan, error);
     }
     if (result == GIRIH_OK) {
-        result = need_pipelines(plan, error);
+        result = girih_plan_need_pipelines(plan, error);
     }
     if (result != GIRIH_OK) {
         girih_plan_destroy(plan);

@@ -126,6 +126,36 @@ static void record_begin(girih_plan *plan, VkCommandBuffer commands) {
                       VK_ACCESS_UNIFORM_READ_BIT);
 }
 
+// Stages 1 to 4: what is to be drawn, all of it counted and placed.
+static void record_stages(const girih_plan *plan, VkCommandBuffer commands,
+                          const girih_timestamps *timestamps) {
+    const girih_context *context = plan->context;
+    if (plan->small) {
+        girih_record_small(plan, commands);
+        girih_compute_barrier(context, commands);
+        for (uint32_t n = 1; n <= 4; ++n) {
+            timestamp(plan, commands, timestamps, n);
+        }
+        return;
+    }
+    girih_record_levels(plan, commands);
+    girih_compute_barrier(context, commands);
+    timestamp(plan, commands, timestamps, 1);
+    girih_record_select(plan, commands);
+    girih_compute_barrier(context, commands);
+    timestamp(plan, commands, timestamps, 2);
+    girih_record_group(plan, commands);
+    girih_compute_barrier(context, commands);
+    timestamp(plan, commands, timestamps, 3);
+    if (plan->mode == GIRIH_MODE_WELDED) {
+        girih_record_weld(plan, commands);
+        girih_compute_barrier(context, commands);
+    }
+    girih_record_dispatch(plan, commands);
+    girih_compute_barrier(context, commands);
+    timestamp(plan, commands, timestamps, 4);
+}
+
 // Whether the plan's buffers hold this frame already, once what was recorded has been executed.
 static bool is_unchanged(const girih_plan *plan, const girih_frame *frame) {
     return plan->current && plan->surface_set == frame->surface_set &&
@@ -170,22 +200,7 @@ girih_result girih_cmd_refine(girih_plan *plan, VkCommandBuffer commands, const 
     timestamp(plan, commands, timestamps, 0);
     record_begin(plan, commands);
     girih_bind_set(plan, commands, 0);
-    girih_record_levels(plan, commands);
-    girih_compute_barrier(context, commands);
-    timestamp(plan, commands, timestamps, 1);
-    girih_record_select(plan, commands);
-    girih_compute_barrier(context, commands);
-    timestamp(plan, commands, timestamps, 2);
-    girih_record_group(plan, commands);
-    girih_compute_barrier(context, commands);
-    timestamp(plan, commands, timestamps, 3);
-    if (plan->mode == GIRIH_MODE_WELDED) {
-        girih_record_weld(plan, commands);
-        girih_compute_barrier(context, commands);
-    }
-    girih_record_dispatch(plan, commands);
-    girih_compute_barrier(context, commands);
-    timestamp(plan, commands, timestamps, 4);
+    record_stages(plan, commands, timestamps);
     girih_record_evaluate(plan, commands);
     timestamp(plan, commands, timestamps, 5);
     girih_record_output(plan, commands);

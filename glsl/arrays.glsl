@@ -39,6 +39,7 @@ bool girih_has(uint variant) {
 #define GIRIH_LOCAL_SIZE GIRIH_WORKGROUP
 #endif
 layout(local_size_x = GIRIH_LOCAL_SIZE) in;
+const uint girih_lanes = gl_WorkGroupSize.x;
 
 layout(push_constant) uniform GirihPush {
     layout(offset = GIRIH_PUSH_OFFSET) GIRIH_PUSH_BLOCK(uint)
@@ -80,6 +81,15 @@ bool girih_has(uint variant) {
 // Written by one invocation and read by another of the same dispatch.
 #define GIRIH_COHERENT_ARRAY(WHOSE, BINDING, BLOCK, NAME) \
     layout(std430, set = GIRIH_SET, binding = WHOSE(BINDING)) coherent buffer BLOCK { uint NAME[]; };
+// Written by one stage and read by the next, which is another dispatch unless the shader does several stages
+// (GIRIH_SEVERAL_STAGES).
+#ifdef GIRIH_SEVERAL_STAGES
+#define GIRIH_STAGE_ACCESS coherent
+#else
+#define GIRIH_STAGE_ACCESS
+#endif
+#define GIRIH_STAGE_ARRAY(WHOSE, BINDING, BLOCK, TYPE, NAME) \
+    layout(std430, set = GIRIH_SET, binding = WHOSE(BINDING)) GIRIH_STAGE_ACCESS buffer BLOCK { TYPE NAME[]; };
 
 // What a surface reads.
 GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_VERTICES, GirihVertices, girih_vertices)
@@ -127,11 +137,11 @@ GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERNS, GirihPatterns, girih_patte
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERN_VERTICES, GirihPatternVertices, girih_pattern_vertices)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERN_INDICES, GirihPatternIndices, girih_pattern_indices)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_BLOCKS, GirihBlocks, girih_blocks)
-GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_LEVELS, GirihLevels, girih_levels)
-GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_KEYS, GirihKeys, girih_keys)
-GIRIH_PAIR_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS, GirihItems, girih_items)
-GIRIH_PAIR_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS_SPARE, GirihItemsSpare, girih_items_spare)
-GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_COUNTERS, GirihCounters, girih_counters)
+GIRIH_STAGE_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_LEVELS, GirihLevels, uint, girih_levels)
+GIRIH_STAGE_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_KEYS, GirihKeys, uint, girih_keys)
+GIRIH_STAGE_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS, GirihItems, uvec2, girih_items)
+GIRIH_STAGE_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS_SPARE, GirihItemsSpare, uvec2, girih_items_spare)
+GIRIH_STAGE_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_COUNTERS, GirihCounters, uint, girih_counters)
 GIRIH_COHERENT_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_GROUPS, GirihGroups, girih_groups)
 GIRIH_FOUR_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_GROUPS, GirihGroupFours, girih_group_fours)
 GIRIH_COHERENT_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_STATUS, GirihStatus, girih_status)

@@ -101,8 +101,7 @@ void main() {
 
 #elif GIRIH_KERNEL == 2
 
-const uint lanes = gl_WorkGroupSize.x;
-shared uvec2 sums[lanes];
+shared uvec2 sums[girih_lanes];
 
 // Counts that may pass 2^32 are carried as (low, high).
 uvec2 add_wide(uvec2 a, uvec2 b) {
@@ -115,7 +114,7 @@ uvec2 add_wide(uvec2 a, uvec2 b) {
 // to write: at most 2^15 turns.
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint run = (girih_frame.scan_block_count + lanes - 1u) / lanes;
+    uint run = (girih_frame.scan_block_count + girih_lanes - 1u) / girih_lanes;
     uint begin = min(lane * run, girih_frame.scan_block_count);
     uint end = min(begin + run, girih_frame.scan_block_count);
     uvec2 sum = uvec2(0u);
@@ -124,7 +123,7 @@ void main() {
     }
     sums[lane] = sum;
     barrier();
-    for (uint step = 1u; step < lanes; step *= 2u) {
+    for (uint step = 1u; step < girih_lanes; step *= 2u) {
         uvec2 before = lane >= step ? sums[lane - step] : uvec2(0u);
         barrier();
         sums[lane] = add_wide(sums[lane], before);
@@ -137,7 +136,7 @@ void main() {
         GIRIH_AT_COUNTERS(block) = offset;
         offset += count;
     }
-    if (lane == lanes - 1u) {
+    if (lane == girih_lanes - 1u) {
         GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES) = sums[lane].x;
         GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES + 1u) = sums[lane].y;
     }

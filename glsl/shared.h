@@ -160,6 +160,8 @@
 #define GIRIH_LEVELS_RANDOM_LEVEL 4u    // the number drawn below random_segments is the level itself
 #define GIRIH_LEVELS_HORIZONTAL 5u      // horizontal angle at the eye
 
+#define GIRIH_LEVEL_RULES 6u            // how many there are
+
 #define GIRIH_MAX_LEVELS 256u           // of a catalogue: catalogue.c opens no larger one
 
 #define GIRIH_CULL_FRUSTUM 1u
@@ -221,7 +223,8 @@
 #define GIRIH_PUSH_BLOCK(UINT) \
     UINT shift;              /* group: the digit is group number >> shift ... */ \
     UINT bins;               /* ... modulo bins, a power of two */ \
-    UINT first_pass;         /* group: reads KEYS, else the items of the pass before */ \
+    UINT first_pass;         /* group: reads KEYS, else the items of the pass before; small: how many passes, */ \
+                             /* each of a digit of `shift` bits */ \
     UINT to_spare;           /* group: writes ITEMS_SPARE (and reads ITEMS), else the other way round */ \
     UINT window_first;       /* evaluate, output: first vertex, triangle or item of the bound window */ \
     UINT window_count; \
@@ -252,6 +255,7 @@
 
 #define GIRIH_WORKGROUP 64
 #define GIRIH_LARGE_WORKGROUP 128       // of the stages that do little for each edge or triangle
+#define GIRIH_SERIAL_WORKGROUP 8        // where lanes are few: of what one lane, or one workgroup, does alone
 #define GIRIH_MAX_BIN_BITS 9u
 #define GIRIH_MAX_BINS 512u             // of one pass of the sort
 #define GIRIH_MAX_SORT_BLOCK 1024u      // keys of one block of the sort

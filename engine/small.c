@@ -1,0 +1,48 @@
+// Stages 1 to 4 of a small plan, recorded: glsl/small.comp.
+#include "context.h"
+
+// One workgroup does in a dispatch what takes a dozen of them, each with a start of its own, where
+// there is more to do. Beyond these sizes that one workgroup takes longer.
+#define MOST_TRIANGLES 1024u
+#define MOST_GROUPS 4096u
+#define MOST_DRAWS 4096u
+
+bool girih_is_small(const girih_plan *plan) {
+    const girih_frame_block *frame = &plan->arrays.frame;
+    return plan->mode != GIRIH_MODE_WELDED && frame->triangle_count <= MOST_TRIANGLES &&
+           frame->group_count <= MOST_GROUPS &&
+           (uint64_t)frame->draws_per_material * frame->material_count <= MOST_DRAWS;
+}
+
+static uint32_t small_shader(const girih_plan *plan) {
+    const bool serial = plan->context->serial_sort;
+    if (girih_select_shader(plan) == GIRIH_SHADER_select_pn) {
+        return serial ? GIRIH_SHADER_small_pn_serial : GIRIH_SHADER_small_pn_workgroup;
+    }
+    return serial ? GIRIH_SHADER_small_flat_serial : GIRIH_SHADER_small_flat_workgroup;
+}
+
+girih_result girih_small_need(const girih_plan *plan, girih_error *error) {
+    girih_result result = GIRIH_OK;
+    for (uint32_t rule = 0; rule < GIRIH_LEVEL_RULES && result == GIRIH_OK; ++rule) {
+        const uint32_t variant = plan->variant | rule << GIRIH_VARIANT_RULE_SHIFT;
+        result = girih_pipeline_need(plan->context, small_shader(plan), variant, error);
+        if (result == GIRIH_OK) {
+            result = girih_pipeline_need(plan->context, small_shader(plan),
+                                         variant | GIRIH_VARIANT_CULL, error);
+        }
+    }
+    return result;
+}
+
+void girih_record_small(const girih_plan *plan, VkCommandBuffer commands) {
+    const girih_frame_block *frame = &plan->arrays.frame;
+    uint32_t bits;
+    const uint32_t passes = girih_sort_passes(frame->group_count, &bits);
+    const girih_push_block push = {.shift = bits, .bins = 1u << bits, .first_pass = passes};
+    girih_push(plan, commands, &push);
+    girih_bind_pipeline(plan, commands, small_shader(plan),
+                        frame->rule << GIRIH_VARIANT_RULE_SHIFT |
+                            (frame->cull ? GIRIH_VARIANT_CULL : 0));
+    girih_dispatch_invocations(plan, commands, 1, 1);
+}

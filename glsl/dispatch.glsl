@@ -1,0 +1,302 @@
+// Stage 4: where each group's output begins, whether all of it fits, and the arguments of the draws
+// and of the next dispatches. The only stage that clamps.
+#ifndef GIRIH_DISPATCH_GLSL
+#define GIRIH_DISPATCH_GLSL
+
+#include "arrays.glsl"
+
+// Counts that may pass 2^32 are carried as (low, high).
+struct Sums {
+    uvec2 vertices;
+    uvec2 triangles;
+    uint draws;
+    uint chunks;
+    uint groups;
+};
+
+shared uvec2 lane_vertices[girih_lanes];
+shared uvec2 lane_triangles[girih_lanes];
+shared uint lane_draws[girih_lanes];
+shared uint lane_chunks[girih_lanes];
+shared uint lane_groups[girih_lanes];
+
+uvec2 add_wide(uvec2 a, uvec2 b) {
+    uint carry;
+    uint low = uaddCarry(a.x, b.x, carry);
+    return uvec2(low, a.y + b.y + carry);
+}
+
+uvec2 multiply_wide(uint a, uint b) {
+    uint high, low;
+    umulExtended(a, b, high, low);
+    return uvec2(low, high);
+}
+
+// Items of a group as it will be drawn. After an overflow the first group of a material, base pattern
+// [0,0,0], takes all of its triangles.
+uvec2 group_items(uint group, bool level0) {
+    uint word = group * GIRIH_GROUP_WORDS;
+    if (!level0) {
+        return uvec2(GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST), GIRIH_AT_GROUPS(word + GIRIH_GROUP_END));
+    }
+    if (group % girih_frame.range_count != 0u) {
+        return uvec2(0u);
+    }
+    uint first = 0xffffffffu;
+    uint end = 0u;
+    for (uint n = 0u; n < girih_frame.range_count; ++n) {
+        uint other = (group + n) * GIRIH_GROUP_WORDS;
+        if (GIRIH_AT_GROUPS(other + GIRIH_GROUP_FIRST) < GIRIH_AT_GROUPS(other + GIRIH_GROUP_END)) {
+            first = min(first, GIRIH_AT_GROUPS(other + GIRIH_GROUP_FIRST));
+            end = max(end, GIRIH_AT_GROUPS(other + GIRIH_GROUP_END));
+        }
+    }
+    return end == 0u ? uvec2(0u) : uvec2(first, end);
+}
+
+// Vertices of a pattern that an item of it adds to the output.
+uint item_vertices(uint rank) {
+    uint vertices = girih_pattern(rank, GIRIH_PATTERN_VERTICES);
+    if (girih_frame.output_mode == GIRIH_OUTPUT_WELDED) {
+        for (uint n = 0u; n < 3u; ++n) {
+            vertices -= girih_pattern(rank, GIRIH_PATTERN_SEGMENTS + n);
+        }
+    }
+    return vertices;
+}
+
+// What evaluate and output need of the group `group` whose items are drawn as those of group `drawn`.
+void write_record(uint group, uint drawn, uint first_item) {
+    uint range = drawn % girih_frame.range_count;
+    uint rank = girih_range_rank(range);
+    uint mirrored = range != girih_pattern(rank, GIRIH_PATTERN_RANGE) ? GIRIH_GROUP_MIRRORED : 0u;
+    uint word = group * GIRIH_GROUP_WORDS;
+    uint from = drawn * GIRIH_GROUP_WORDS;
+    GIRIH_AT_GROUPS(word + GIRIH_GROUP_RANK) = rank | mirrored;
+    GIRIH_AT_GROUPS(word + GIRIH_GROUP_VERTICES) = girih_pattern(rank, GIRIH_PATTERN_VERTICES);
+    GIRIH_AT_GROUPS(word + GIRIH_GROUP_PATTERN_VERTEX) = girih_pattern(rank, GIRIH_PATTERN_FIRST_VERTEX);
+    GIRIH_AT_GROUPS(word + GIRIH_GROUP_BASE_VERTEX) = GIRIH_AT_GROUPS(from + GIRIH_GROUP_FIRST_VERTEX) - first_item * item_vertices(rank);
+    GIRIH_AT_GROUPS(word + GIRIH_GROUP_BASE_TRIANGLE) =
+        GIRIH_AT_GROUPS(from + GIRIH_GROUP_FIRST_TRIANGLE) - first_item * girih_pattern(rank, GIRIH_PATTERN_TRIANGLES);
+}
+
+// What one group adds.
+Sums group_sums(uint group, uvec2 items) {
+    Sums sums = Sums(uvec2(0u), uvec2(0u), 0u, 0u, 0u);
+    uint count = items.y - items.x;
+    if (count != 0u) {
+        uint rank = girih_range_rank(group % girih_frame.range_count);
+        uint replicas = girih_pattern(rank, GIRIH_PATTERN_REPLICAS);
+        sums.vertices = multiply_wide(count, item_vertices(rank));
+        sums.triangles = multiply_wide(count, girih_pattern(rank, GIRIH_PATTERN_TRIANGLES));
+        sums.draws = (count + replicas - 1u) / replicas;
+        sums.chunks = count * (girih_pattern(rank, GIRIH_PATTERN_CHUNKS) - 1u);
+        sums.groups = 1u;
+    }
+    return sums;
+}
+
+Sums add_sums(Sums a, Sums b) {
+    return Sums(add_wide(a.vertices, b.vertices), add_wide(a.triangles, b.triangles), a.draws + b.draws,
+                a.chunks + b.chunks, a.groups + b.groups);
+}
+
+void write_lane(Sums sums) {
+    uint lane = gl_LocalInvocationID.x;
+    barrier();
+    lane_vertices[lane] = sums.vertices;
+    lane_triangles[lane] = sums.triangles;
+    lane_draws[lane] = sums.draws;
+    lane_chunks[lane] = sums.chunks;
+    lane_groups[lane] = sums.groups;
+    barrier();
+}
+
+Sums read_lane(uint lane) {
+    return Sums(lane_vertices[lane], lane_triangles[lane], lane_draws[lane], lane_chunks[lane], lane_groups[lane]);
+}
+
+// Sums of all lanes before this one; `total` of all.
+Sums scan_lanes(Sums own, out Sums total) {
+    uint lane = gl_LocalInvocationID.x;
+    write_lane(own);
+    for (uint step = 1u; step < girih_lanes; step *= 2u) {
+        if (lane >= step) {
+            own = add_sums(own, read_lane(lane - step));
+        }
+        write_lane(own);
+    }
+    total = read_lane(girih_lanes - 1u);
+    Sums before = Sums(uvec2(0u), uvec2(0u), 0u, 0u, 0u);
+    if (lane > 0u) {
+        before = read_lane(lane - 1u);
+    }
+    return before;
+}
+
+Sums sum_run(uint begin, uint end, bool level0) {
+    Sums sums = Sums(uvec2(0u), uvec2(0u), 0u, 0u, 0u);
+    for (uint group = begin; group < end; ++group) {
+        sums = add_sums(sums, group_sums(group, group_items(group, level0)));
+    }
+    return sums;
+}
+
+bool exceeds(uvec2 wide, uint room) {
+    return wide.y != 0u || wide.x > room;
+}
+
+// One workgroup: each lane sums a run of groups, the sums of the lanes before it are added, and it
+// walks its run again to write.
+void dispatch_groups() {
+    uint lane = gl_LocalInvocationID.x;
+    uint run = (girih_frame.group_count + girih_lanes - 1u) / girih_lanes;
+    uint begin = min(lane * run, girih_frame.group_count);
+    uint end = min(begin + run, girih_frame.group_count);
+    uvec2 border = uvec2(0u);
+    if (girih_frame.output_mode == GIRIH_OUTPUT_WELDED) {
+        border = add_wide(uvec2(girih_frame.corner_count, 0u),
+                          uvec2(GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES), GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES + 1u)));
+    }
+    Sums total;
+    Sums sums = scan_lanes(sum_run(begin, end, false), total);
+    uvec2 vertices = add_wide(total.vertices, border);
+    uint groups_in_use = total.groups;
+    bool level0 = exceeds(total.triangles, girih_frame.max_triangles) ||
+                  (girih_frame.output_mode != GIRIH_OUTPUT_INSTANCED && exceeds(vertices, girih_frame.max_vertices));
+    if (lane == 0u) {
+        GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_VERTICES) = vertices.x;
+        GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_VERTICES + 1u) = vertices.y;
+        GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_TRIANGLES) = total.triangles.x;
+        GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_TRIANGLES + 1u) = total.triangles.y;
+        GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) = level0 ? GIRIH_STATUS_OVERFLOW : 0u;
+    }
+    if (level0) {
+        sums = scan_lanes(sum_run(begin, end, true), total);
+        border = uvec2(girih_frame.output_mode == GIRIH_OUTPUT_WELDED ? girih_frame.corner_count : 0u, 0u);
+        vertices = add_wide(total.vertices, border);
+    }
+    // From here on everything fits 32 bits.
+    for (uint group = begin; group < end; ++group) {
+        uvec2 items = group_items(group, level0);
+        uint word = group * GIRIH_GROUP_WORDS;
+        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_VERTEX) = sums.vertices.x + border.x;
+        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_TRIANGLE) = sums.triangles.x;
+        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_DRAW) = sums.draws;
+        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_CHUNK) = sums.chunks;
+        if (!level0) {
+            write_record(group, group, items.x);
+        }
+        uint count = items.y - items.x;
+        uint range = group % girih_frame.range_count;
+        uint rank = girih_range_rank(range);
+        if (count != 0u) {
+            GIRIH_AT_STATUS(GIRIH_STATUS_WORDS + rank) = 1u;
+        }
+        if (range == 0u) {
+            GIRIH_AT_STATUS(GIRIH_STATUS_WORDS + girih_frame.pattern_count + group / girih_frame.range_count) = sums.triangles.x;
+        }
+        if (girih_frame.output_mode == GIRIH_OUTPUT_INSTANCED && girih_frame.draws_per_material != 0u) {
+            bool mirror = range != girih_pattern(rank, GIRIH_PATTERN_RANGE);
+            uint draw = group * GIRIH_DRAW_WORDS;
+            GIRIH_AT_DRAWS(draw) = 3u * girih_pattern(rank, GIRIH_PATTERN_TRIANGLES);
+            GIRIH_AT_DRAWS(draw + 1u) = count;
+            GIRIH_AT_DRAWS(draw + 2u) = girih_frame.first_index +
+                girih_pattern(rank, mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
+            GIRIH_AT_DRAWS(draw + 3u) = girih_pattern(rank, GIRIH_PATTERN_FIRST_VERTEX);
+            GIRIH_AT_DRAWS(draw + 4u) = items.x;
+        }
+        sums = add_sums(sums, group_sums(group, items));
+    }
+    memoryBarrierBuffer();
+    barrier();
+    if (level0) {
+        // All of a material's triangles stand in its first group. Only now that every lane has read the
+        // bounds of its groups do they change.
+        for (uint material = lane; material < girih_frame.material_count; material += girih_lanes) {
+            uint group = material * girih_frame.range_count;
+            uvec2 items = group_items(group, true);
+            for (uint n = 0u; n < girih_frame.range_count; ++n) {
+                GIRIH_AT_GROUPS((group + n) * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) = n == 0u ? items.x : items.y;
+                GIRIH_AT_GROUPS((group + n) * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = items.y;
+                write_record(group + n, group, items.x);
+            }
+        }
+    }
+    uint patterns = 0u;
+    for (uint rank = lane; rank < girih_frame.pattern_count; rank += girih_lanes) {
+        patterns += GIRIH_AT_STATUS(GIRIH_STATUS_WORDS + rank);
+    }
+    atomicAdd(GIRIH_AT_STATUS(GIRIH_STATUS_PATTERNS), patterns);
+    if (lane == 0u) {
+        uint word = girih_frame.group_count * GIRIH_GROUP_WORDS;
+        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST) = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
+        GIRIH_AT_GROUPS(word + GIRIH_GROUP_END) = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
+        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_VERTEX) = vertices.x;
+        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_TRIANGLE) = total.triangles.x;
+        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_DRAW) = total.draws;
+        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_CHUNK) = total.chunks;
+        GIRIH_AT_STATUS(GIRIH_STATUS_VERTICES) = vertices.x;
+        GIRIH_AT_STATUS(GIRIH_STATUS_TRIANGLES) = total.triangles.x;
+        GIRIH_AT_STATUS(GIRIH_STATUS_GROUPS) = total.groups;
+        GIRIH_AT_STATUS(GIRIH_STATUS_CHUNKS) = total.chunks;
+        GIRIH_AT_STATUS(GIRIH_STATUS_WORDS + girih_frame.pattern_count + girih_frame.material_count) = total.triangles.x;
+        // Patches are written one item an invocation; vertices and triangles one chunk an invocation.
+        uint invocations = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
+        if (girih_frame.output_mode != GIRIH_OUTPUT_INSTANCED) {
+            invocations += total.chunks;
+        }
+        uint workgroups = (invocations + uint(GIRIH_WORKGROUP) - 1u) / uint(GIRIH_WORKGROUP);
+        uint rows = (workgroups + 65534u) / 65535u;
+        GIRIH_AT_STATUS(GIRIH_STATUS_EVALUATE) = rows > 1u ? 65535u : workgroups;
+        GIRIH_AT_STATUS(GIRIH_STATUS_EVALUATE + 1u) = rows;
+        GIRIH_AT_STATUS(GIRIH_STATUS_EVALUATE + 2u) = 1u;
+    }
+}
+
+// Baked draws: one invocation for each draw (`slot`) that a material may have. A group of C triangles whose
+// pattern's indices are replicated R times is drawn by ceil(C / R) draws, each with its own vertex
+// offset; what is left of a material's draws is empty.
+uint first_draw(uint group) {
+    return GIRIH_AT_GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_DRAW);
+}
+
+void dispatch_draw(uint slot) {
+    uint material = slot / girih_frame.draws_per_material;
+    uint low = material * girih_frame.range_count;
+    uint high = low + girih_frame.range_count;
+    uint draw = first_draw(low) + slot % girih_frame.draws_per_material;
+    uint arguments[5] = uint[5](0u, 0u, 0u, 0u, 0u);
+    if (girih_frame.pattern_draws == 0u) {
+        uint first = GIRIH_AT_GROUPS(low * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_TRIANGLE);
+        uint end = GIRIH_AT_GROUPS(high * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_TRIANGLE);
+        arguments = uint[5](3u * (end - first), 1u, girih_frame.first_list_index + 3u * first, 0u, 0u);
+    } else if (draw < first_draw(high)) {
+        // The last group whose first draw is not beyond this one; empty groups share their successor's.
+        while (high - low > 1u) {
+            uint middle = (low + high) / 2u;
+            if (first_draw(middle) <= draw) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        uint word = low * GIRIH_GROUP_WORDS;
+        uint range = low % girih_frame.range_count;
+        uint rank = girih_range_rank(range);
+        uint replicas = girih_pattern(rank, GIRIH_PATTERN_REPLICAS);
+        uint first = (draw - first_draw(low)) * replicas;
+        uint count = min(replicas, GIRIH_AT_GROUPS(word + GIRIH_GROUP_END) - GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST) - first);
+        bool mirror = range != girih_pattern(rank, GIRIH_PATTERN_RANGE);
+        arguments[0] = count * 3u * girih_pattern(rank, GIRIH_PATTERN_TRIANGLES);
+        arguments[1] = 1u;
+        arguments[2] = girih_frame.first_index +
+            girih_pattern(rank, mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
+        arguments[3] = GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_VERTEX) + first * girih_pattern(rank, GIRIH_PATTERN_VERTICES);
+    }
+    for (uint n = 0u; n < GIRIH_DRAW_WORDS; ++n) {
+        GIRIH_AT_DRAWS(slot * GIRIH_DRAW_WORDS + n) = arguments[n];
+    }
+}
+
+#endif

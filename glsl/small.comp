@@ -1,0 +1,79 @@
+// Stages 1 to 4 of a small plan in one dispatch of one workgroup: to begin and to await each stage would take longer
+// than its work. Welded plans, whose vertices are numbered between the stages, keep the dispatches apart.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+
+#include "shared.h"
+#ifdef GIRIH_SERIAL
+#define GIRIH_LOCAL_SIZE GIRIH_SERIAL_WORKGROUP
+#else
+#define GIRIH_LOCAL_SIZE GIRIH_LARGE_WORKGROUP
+#endif
+#define GIRIH_SEVERAL_STAGES
+#include "levels.glsl"
+#include "select.glsl"
+#include "group.glsl"
+#include "dispatch.glsl"
+
+// What all lanes have written is there for all to read.
+void end_step() {
+    memoryBarrierBuffer();
+    barrier();
+}
+
+// One pass of the sort. All blocks are walked at once, one lane each, or one after another by all lanes.
+void sort_digit() {
+#ifdef GIRIH_SERIAL
+    uint first = gl_LocalInvocationID.x;
+    uint step = girih_lanes;
+#else
+    uint first = 0u;
+    uint step = 1u;
+#endif
+    for (uint block = first; block < girih_frame.sort_block_count; block += step) {
+        count_block(block);
+    }
+    end_step();
+    for (uint digit = gl_LocalInvocationID.x; digit < pass.bins; digit += girih_lanes) {
+        sum_blocks(digit);
+    }
+    end_step();
+    sum_digits();
+    end_step();
+    for (uint block = first; block < girih_frame.sort_block_count; block += step) {
+        place_block(block);
+#ifndef GIRIH_SERIAL
+        barrier(); // the next block begins with what this one still reads
+#endif
+    }
+    end_step();
+}
+
+void main() {
+    uint lane = gl_LocalInvocationID.x;
+    for (uint edge = lane; edge < girih_frame.edge_count; edge += girih_lanes) {
+        write_level(edge);
+    }
+    end_step();
+    for (uint triangle = lane; triangle < girih_frame.triangle_count; triangle += girih_lanes) {
+        write_key(triangle);
+    }
+    end_step();
+    uint last = girih_push.first_pass - 1u;
+    for (uint n = 0u; n <= last; ++n) {
+        // The last pass ends in ITEMS.
+        pass = Pass(n * girih_push.shift, girih_push.bins, n == 0u, ((last - n) & 1u) != 0u);
+        sort_digit();
+    }
+    uint items = last > 0u ? GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS) : 0u;
+    for (uint n = lane; n < items; n += girih_lanes) {
+        write_bounds_at(n, items);
+    }
+    end_step();
+    dispatch_groups();
+    end_step();
+    uint draws = girih_frame.output_mode != GIRIH_OUTPUT_INSTANCED ? girih_frame.draws_per_material * girih_frame.material_count : 0u;
+    for (uint slot = lane; slot < draws; slot += girih_lanes) {
+        dispatch_draw(slot);
+    }
+}
