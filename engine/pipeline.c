@@ -31,10 +31,10 @@ static uint32_t variant_mask(uint32_t shader) {
     case GIRIH_SHADER_select_pn:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_CULL |
                GIRIH_VARIANT_DYNAMIC | GIRIH_VARIANT_MATERIALS;
-    case GIRIH_SHADER_small_flat_serial:
-    case GIRIH_SHADER_small_flat_workgroup:
-    case GIRIH_SHADER_small_pn_serial:
-    case GIRIH_SHADER_small_pn_workgroup:
+    case GIRIH_SHADER_small_flat_narrow:
+    case GIRIH_SHADER_small_flat_wide:
+    case GIRIH_SHADER_small_pn_narrow:
+    case GIRIH_SHADER_small_pn_wide:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_CULL |
                GIRIH_VARIANT_DYNAMIC | GIRIH_VARIANT_MATERIALS | 7u << GIRIH_VARIANT_RULE_SHIFT;
     case GIRIH_SHADER_evaluate_patches_flat:

@@ -15,11 +15,11 @@ bool girih_is_small(const girih_plan *plan) {
 }
 
 static uint32_t small_shader(const girih_plan *plan) {
-    const bool serial = plan->context->serial_sort;
+    const bool narrow = plan->context->serial_sort;
     if (girih_select_shader(plan) == GIRIH_SHADER_select_pn) {
-        return serial ? GIRIH_SHADER_small_pn_serial : GIRIH_SHADER_small_pn_workgroup;
+        return narrow ? GIRIH_SHADER_small_pn_narrow : GIRIH_SHADER_small_pn_wide;
     }
-    return serial ? GIRIH_SHADER_small_flat_serial : GIRIH_SHADER_small_flat_workgroup;
+    return narrow ? GIRIH_SHADER_small_flat_narrow : GIRIH_SHADER_small_flat_wide;
 }
 
 girih_result girih_small_need(const girih_plan *plan, girih_error *error) {

@@ -4,11 +4,6 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "shared.h"
-#ifdef GIRIH_SERIAL
-#define GIRIH_LOCAL_SIZE GIRIH_SERIAL_WORKGROUP
-#else
-#define GIRIH_LOCAL_SIZE GIRIH_LARGE_WORKGROUP
-#endif
 #define GIRIH_SEVERAL_STAGES
 #include "levels.glsl"
 #include "select.glsl"
@@ -21,16 +16,9 @@ void end_step() {
     barrier();
 }
 
-// One pass of the sort. All blocks are walked at once, one lane each, or one after another by all lanes.
+// One pass of the sort: its blocks one after another.
 void sort_digit() {
-#ifdef GIRIH_SERIAL
-    uint first = gl_LocalInvocationID.x;
-    uint step = girih_lanes;
-#else
-    uint first = 0u;
-    uint step = 1u;
-#endif
-    for (uint block = first; block < girih_frame.sort_block_count; block += step) {
+    for (uint block = 0u; block < girih_frame.sort_block_count; ++block) {
         count_block(block);
     }
     end_step();
@@ -40,11 +28,9 @@ void sort_digit() {
     end_step();
     sum_digits();
     end_step();
-    for (uint block = first; block < girih_frame.sort_block_count; block += step) {
+    for (uint block = 0u; block < girih_frame.sort_block_count; ++block) {
         place_block(block);
-#ifndef GIRIH_SERIAL
         barrier(); // the next block begins with what this one still reads
-#endif
     }
     end_step();
 }
