@@ -205,7 +205,8 @@ uint32_t girih_evaluate_shader(const girih_plan *plan);
 // Whether the host's surface is evaluated in buffers, by its program's pipeline.
 bool girih_evaluates_own_points(const girih_plan *plan);
 
-// --- small.c: stages 1 to 4 of a small plan in one dispatch ---------------------------------------
+// --- small.c: stages 1 to 4 of a small plan in one dispatch
+// ---------------------------------------
 
 // Whether a plan is one, by its counts.
 bool girih_is_small(const girih_plan *plan);
@@ -256,7 +257,7 @@ void girih_push(const girih_plan *plan, VkCommandBuffer commands, const girih_pu
 void girih_dispatch_invocations(const girih_plan *plan, VkCommandBuffer commands,
                                 uint64_t invocations, uint32_t size);
 
-// A dispatch whose arguments dispatch.comp wrote (GIRIH_STATUS_EVALUATE).
+// A dispatch whose arguments dispatch.glsl writes (GIRIH_STATUS_EVALUATE).
 void girih_dispatch_items(const girih_plan *plan, VkCommandBuffer commands);
 
 void girih_record_levels(const girih_plan *plan, VkCommandBuffer commands);

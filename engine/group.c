@@ -7,7 +7,8 @@ void girih_record_group(const girih_plan *plan, VkCommandBuffer commands) {
     const bool serial = context->serial_sort;
     uint32_t bits;
     const uint32_t passes = girih_sort_passes(frame->group_count, &bits);
-    const uint64_t block_invocations = (uint64_t)frame->sort_block_count * (serial ? 1 : GIRIH_LARGE_WORKGROUP);
+    const uint64_t block_invocations =
+        (uint64_t)frame->sort_block_count * (serial ? 1 : GIRIH_LARGE_WORKGROUP);
     const uint32_t block_size = serial ? GIRIH_SERIAL_WORKGROUP : GIRIH_LARGE_WORKGROUP;
     for (uint32_t pass = 0; pass < passes; ++pass) {
         if (pass > 0) {
@@ -27,8 +28,8 @@ void girih_record_group(const girih_plan *plan, VkCommandBuffer commands) {
         girih_bind_pipeline(
             plan, commands,
             serial ? GIRIH_SHADER_group_blocks_serial : GIRIH_SHADER_group_blocks_workgroup, 0);
-        girih_dispatch_invocations(plan, commands, (uint64_t)push.bins * (serial ? 1 : GIRIH_LARGE_WORKGROUP),
-                                   block_size);
+        girih_dispatch_invocations(
+            plan, commands, (uint64_t)push.bins * (serial ? 1 : GIRIH_LARGE_WORKGROUP), block_size);
         girih_compute_barrier(context, commands);
         girih_bind_pipeline(
             plan, commands,

@@ -58,7 +58,11 @@ void main() {
     end_step();
     dispatch_groups();
     end_step();
-    uint draws = girih_frame.output_mode != GIRIH_OUTPUT_INSTANCED ? girih_frame.draws_per_material * girih_frame.material_count : 0u;
+    // Those of the instanced mode are written with their groups.
+    uint draws = girih_frame.draws_per_material * girih_frame.material_count;
+    if (girih_frame.output_mode == GIRIH_OUTPUT_INSTANCED) {
+        draws = 0u;
+    }
     for (uint slot = lane; slot < draws; slot += girih_lanes) {
         dispatch_draw(slot);
     }

@@ -1,5 +1,5 @@
 // Stage 4 on the CPU: where each group's output begins, whether all of it fits, and the arguments
-// of the draws. The only stage that clamps. Twin of glsl/dispatch.comp; sums that the shader
+// of the draws. The only stage that clamps. Twin of glsl/dispatch.glsl; sums that the shader
 // carries in two words are 64 bits wide here.
 #include <stdbool.h>
 

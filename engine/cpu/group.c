@@ -1,5 +1,5 @@
 // Stage 3 on the CPU: the triangles that were not culled, sorted by (material, range) and within a
-// group in input order. The counterpart of glsl/group.comp: one counting sort over all groups gives
+// group in input order. The counterpart of glsl/group.glsl: one counting sort over all groups gives
 // what its passes over the digits give, because both are stable.
 #include <inttypes.h>
 

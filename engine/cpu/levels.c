@@ -1,5 +1,5 @@
 // Stage 1 on the CPU: one level per unique edge of every instance, from the edge alone. Twin of
-// glsl/levels.comp.
+// glsl/levels.glsl.
 #include <stdbool.h>
 
 #include "scene.h"

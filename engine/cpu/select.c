@@ -1,5 +1,5 @@
 // Stage 2 on the CPU: base pattern, lambda and winding of every triangle, or culled. Twin of
-// glsl/select.comp, which tells why its bounds hold.
+// glsl/select.glsl, which tells why its bounds hold.
 #include <stdbool.h>
 
 #include "girih_permutation.h"

@@ -228,8 +228,9 @@ GIRIH_API girih_result girih_plan_set_transform(girih_plan *plan, uint32_t insta
                                                 girih_error *error);
 
 // Timestamps that girih_cmd_refine writes, GIRIH_TIMESTAMPS of them from `first` on: at its begin,
-// then at the end of levels, select, group, dispatch, evaluate and output. The host resets the
-// queries.
+// then at the end of levels, select, group, dispatch, evaluate and output. Small plans do the first
+// four stages in one dispatch: the time of all four then stands as that of levels, and the others'
+// are next to nothing. The host resets the queries.
 typedef struct girih_timestamps {
     VkQueryPool pool; // VK_NULL_HANDLE: none
     uint32_t first;
