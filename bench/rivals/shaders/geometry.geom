@@ -8,9 +8,9 @@
 // end, so that both sides agree. Every vertex is the same `precise` function of what it is in the pattern, so
 // strips agree along their common lines too.
 //
-// A triangle may have more vertices than one invocation can put out: its strips are dealt to as many
-// invocations as they fill. The host writes the two numbers of the layouts below into the code: SPIR-V has no
-// specialization constants there. GEOMETRY_ROOM is also in geometry.c.
+// A triangle may have more vertices than a geometry shader can put out: its strips are dealt to as many parts as
+// they fill, and each part is a draw (geometry.c says why not an invocation). The host writes max_vertices into
+// the code: SPIR-V has no specialization constant there. GEOMETRY_ROOM is also in geometry.c.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
@@ -28,8 +28,12 @@ out gl_PerVertex {
 #else
 #define GEOMETRY_ROOM 146
 #endif
-layout(triangles, invocations = 1) in;
+layout(triangles) in;
 layout(triangle_strip, max_vertices = GEOMETRY_ROOM) out;
+
+layout(push_constant) uniform Draw {
+    uint part;
+} draw;
 
 layout(location = 0) in vec3 corner_position[];
 layout(location = 1) in vec3 corner_normal[];
@@ -302,20 +306,20 @@ void main() {
     uvec3 edges = uvec3(edge_segments(0u, 1u), edge_segments(1u, 2u), edge_segments(2u, 0u));
     uint turn = rotation(edges);
     Pattern pattern = make_pattern(turn == 0u ? edges : turn == 1u ? edges.yzx : edges.zxy);
-    // This invocation's strips, and how many vertices they have.
+    // This part's strips, and how many vertices they have.
     uint first = 0u;
     uint count = 0u;
-    uint invocation = 0u;
+    uint filled = 0u;
     uint full = 0u;
     uint strips = strip_count(pattern);
-    for (uint strip = 0u; strip < strips && invocation <= uint(gl_InvocationID); ++strip) {
+    for (uint strip = 0u; strip < strips && filled <= draw.part; ++strip) {
         uint vertices = strip_length(pattern, strip);
         if (full + vertices > GEOMETRY_ROOM) {
-            ++invocation;
+            ++filled;
             full = 0u;
         }
         full += vertices;
-        if (invocation == uint(gl_InvocationID)) {
+        if (filled == draw.part) {
             first = full == vertices ? strip : first;
             count = full;
         }
