@@ -55,6 +55,7 @@ typedef struct bench_job_desc {
     void (*frame)(const void *user, uint32_t n, girih_frame *frame, bench_view *view);
     const void *user;
     uint32_t frame_count; // different frames; those after them begin again; 0: BENCH_FRAMES
+    bool geometry_only;   // no shaded frames are timed
 } bench_job_desc;
 
 typedef struct bench_case_job {

@@ -33,8 +33,7 @@ static const struct bench_case {
     {"bake", "bake-only throughput, against the CPU twin and OpenSubdiv's Bfr", bench_bake},
     {"scaling", "time and memory of a triangle, by input and output", bench_scaling},
     {"table3", "ARKFPI's Table 3: its 19 input and output sizes, against ARK", bench_table3},
-    {"knuth", "geometry shaders by refinement level, against girih; a thin tetrahedron",
-     bench_knuth_case},
+    {"knuth", "geometry shaders by level, against girih; a thin tetrahedron", bench_knuth_case},
 };
 #define CASE_COUNT (sizeof cases / sizeof *cases)
 
@@ -127,20 +126,23 @@ static char *help_text(int key, const char *text, void *input) {
     return fclose(stream) == 0 ? whole : NULL;
 }
 
-// One line: ratios of figures that have both.
+// One line: the ratios of figures that have any.
 static void print_ratios(const char *name, const json_t *figures) {
     const json_t *g = json_object_get(figures, "geometry");
     const json_t *s = json_object_get(figures, "shaded");
-    if (!g || !s) {
+    if (!g) {
         return;
     }
-    printf("  %-20s geometry %6.2f (%.2f to %.2f), shaded %6.2f (%.2f to %.2f)\n", name,
+    printf("  %-20s geometry %6.2f (%.2f to %.2f)", name,
            json_real_value(json_object_get(g, "ratio")),
            json_real_value(json_object_get(g, "ratio_low")),
-           json_real_value(json_object_get(g, "ratio_high")),
-           json_real_value(json_object_get(s, "ratio")),
-           json_real_value(json_object_get(s, "ratio_low")),
-           json_real_value(json_object_get(s, "ratio_high")));
+           json_real_value(json_object_get(g, "ratio_high")));
+    if (s) {
+        printf(", shaded %6.2f (%.2f to %.2f)", json_real_value(json_object_get(s, "ratio")),
+               json_real_value(json_object_get(s, "ratio_low")),
+               json_real_value(json_object_get(s, "ratio_high")));
+    }
+    printf("\n");
 }
 
 // One line a point of the case `errors`.

@@ -230,7 +230,8 @@ static girih_result measure_rasters(const bench_run *run, bench_case_job *job,
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
     girih_result result = GIRIH_OK;
-    for (uint32_t raster = 0; raster < 2 && result == GIRIH_OK; ++raster) {
+    const uint32_t rasters = job->desc.geometry_only ? 1 : 2;
+    for (uint32_t raster = 0; raster < rasters && result == GIRIH_OK; ++raster) {
         char line[256];
         snprintf(line, sizeof line, "%s: %s, %s", job->job.name, pair[1]->name,
                  raster_names[raster]);
