@@ -2,10 +2,10 @@
 // warping, and the two that the paper compares with. rivals/shaders/geometry.geom says how they
 // refine.
 //
-// Vulkan promises a geometry shader 1024 output components: 146 vertices of position and normal,
+// Vulkan promises a geometry shader 1024 output components: 128 vertices of eight components,
 // 102 while triangles are captured. Patterns of more are made in parts, whole strips each: as many
 // as the most that the job can ask for needs, one draw each. 32 parts suffice for the uniform
-// pattern up to level 57, level 49 where it is to be captured as well. Beyond that the job is
+// pattern up to level 54, level 49 where it is to be captured as well. Beyond that the job is
 // unfit; dyadic patterns end at 32.
 //
 // Invocations of the geometry shader would be the parts of one draw. lavapipe takes four triangles
@@ -23,7 +23,7 @@
 
 enum { KNUTH, KNUTH_WARPED, SUAPT, UNIFORM };
 
-#define ROOM 146u
+#define ROOM 128u
 #define CAPTURE_ROOM 102u
 
 // --- Parts --------------------------------------------------------------------------------------

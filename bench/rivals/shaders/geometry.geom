@@ -22,11 +22,12 @@ out gl_PerVertex {
 #define BENCH_LAST
 #include "rival.glsl"
 
-// Of 1024 components, which every device with geometry shaders has: position, normal, and the captured position.
+// Of 1024 components, which every device with geometry shaders has: the built-in position 4, normal 3, and the
+// front 1 or, captured, the position 3.
 #ifdef BENCH_CAPTURE
 #define GEOMETRY_ROOM 102
 #else
-#define GEOMETRY_ROOM 146
+#define GEOMETRY_ROOM 128
 #endif
 layout(triangles) in;
 layout(triangle_strip, max_vertices = GEOMETRY_ROOM) out;
@@ -214,7 +215,8 @@ vec3 strip_vertex(Pattern p, uint strip, uint number) {
 // rule, 1 where the surface faces the viewer, the largest where it is seen edge-on. (The edges' levels are
 // girih's, which knows none for vertices.)
 float vertex_level(vec3 p, vec3 n) {
-    vec3 towards = girih_frame.eye.w != 0.0 ? p - girih_frame.eye.xyz : bench_view.rows[2].xyz;
+    // The view says whether it is orthographic: frames whose levels ask for no eye leave that open.
+    vec3 towards = bench_view.rows[3].xyz == vec3(0.0) ? bench_view.rows[2].xyz : p - girih_frame.eye.xyz;
     float facing = abs(girih_dot(girih_normalize(towards), n));
     precise float level = 1.0 + float(girih_level_segments(girih_frame.level_count - 1u) - 1u) * (1.0 - facing);
     return max(level, 1.0);
