@@ -233,14 +233,16 @@ static const bench_view view_from_above = {.rows = {{0.9f, 0, 0, 0},
 
 static void length_frame(const void *user, uint32_t n, girih_frame *frame, bench_view *view) {
     (void)user;
-    *frame = (girih_frame){.rule = GIRIH_LEVEL_EDGE_LENGTH, .length = lengths[n]};
+    *frame =
+        (girih_frame){.rule = GIRIH_LEVEL_EDGE_LENGTH, .length = lengths[n], .orthographic = true};
     *view = view_from_above;
 }
 
 static void surface_frame(const void *user, uint32_t n, girih_frame *frame, bench_view *view) {
     (void)user;
     (void)n;
-    *frame = (girih_frame){.rule = GIRIH_LEVEL_SEGMENTS, .segments = SURFACE_SEGMENTS};
+    *frame = (girih_frame){
+        .rule = GIRIH_LEVEL_SEGMENTS, .segments = SURFACE_SEGMENTS, .orthographic = true};
     *view = view_from_above;
 }
 

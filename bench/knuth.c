@@ -31,7 +31,8 @@ static void frame(const void *user, uint32_t n, girih_frame *out, bench_view *vi
                          .segments = l->segments,
                          .length = l->length,
                          .seed = n % 2 ? 1 : 2 + n,
-                         .revision = n};
+                         .revision = n,
+                         .orthographic = true}; // warping asks where the viewer is
     *view = l->view;
 }
 

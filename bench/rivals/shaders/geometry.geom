@@ -215,8 +215,7 @@ vec3 strip_vertex(Pattern p, uint strip, uint number) {
 // rule, 1 where the surface faces the viewer, the largest where it is seen edge-on. (The edges' levels are
 // girih's, which knows none for vertices.)
 float vertex_level(vec3 p, vec3 n) {
-    // The view says whether it is orthographic: frames whose levels ask for no eye leave that open.
-    vec3 towards = bench_view.rows[3].xyz == vec3(0.0) ? bench_view.rows[2].xyz : p - girih_frame.eye.xyz;
+    vec3 towards = girih_frame.eye.w != 0.0 ? p - girih_frame.eye.xyz : bench_view.rows[2].xyz;
     float facing = abs(girih_dot(girih_normalize(towards), n));
     precise float level = 1.0 + float(girih_level_segments(girih_frame.level_count - 1u) - 1u) * (1.0 - facing);
     return max(level, 1.0);
