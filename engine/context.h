@@ -202,6 +202,10 @@ girih_result girih_plan_create_descriptors(girih_plan *plan, girih_error *error)
 
 uint32_t girih_select_shader(const girih_plan *plan);
 uint32_t girih_evaluate_shader(const girih_plan *plan);
+// Whether corners and edges are evaluated apart from the triangles, once each, where nothing is
+// culled.
+bool girih_evaluates_borders(const girih_plan *plan);
+uint32_t girih_edges_shader(const girih_plan *plan);
 // Whether the host's surface is evaluated in buffers, by its program's pipeline.
 bool girih_evaluates_own_points(const girih_plan *plan);
 
@@ -257,8 +261,8 @@ void girih_push(const girih_plan *plan, VkCommandBuffer commands, const girih_pu
 void girih_dispatch_invocations(const girih_plan *plan, VkCommandBuffer commands,
                                 uint64_t invocations, uint32_t size);
 
-// A dispatch whose arguments dispatch.glsl writes (GIRIH_STATUS_EVALUATE).
-void girih_dispatch_items(const girih_plan *plan, VkCommandBuffer commands);
+// A dispatch whose arguments dispatch.glsl writes: GIRIH_STATUS_EVALUATE or GIRIH_STATUS_INTERIOR.
+void girih_dispatch_items(const girih_plan *plan, VkCommandBuffer commands, uint32_t arguments);
 
 void girih_record_levels(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_select(const girih_plan *plan, VkCommandBuffer commands);

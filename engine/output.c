@@ -19,7 +19,6 @@ void girih_record_output(const girih_plan *plan, VkCommandBuffer commands) {
     }
     const uint32_t wanted =
         plan->outputs & (GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_CLOSED_INDICES | GIRIH_OUTPUT_SOURCES);
-    girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_lists, 0);
     // With few buffers the lists share one binding, so each has descriptors and a dispatch of its
     // own.
     const uint32_t families = plan->context->few_buffers ? 3 : 1;
@@ -28,14 +27,15 @@ void girih_record_output(const girih_plan *plan, VkCommandBuffer commands) {
         if (outputs == 0) {
             continue;
         }
+        girih_bind_pipeline(plan, commands, GIRIH_SHADER_output_lists,
+                            outputs << GIRIH_VARIANT_OUTPUT_SHIFT);
         for (uint32_t window = 0; window < plan->triangle_windows; ++window) {
             const girih_push_block push = {.window_first = window * plan->triangle_window,
-                                           .window_count = plan->triangle_window,
-                                           .outputs = outputs};
+                                           .window_count = plan->triangle_window};
             girih_bind_set(plan, commands,
                            families == 1 ? window : (1 + family) * plan->window_count + window);
             girih_push(plan, commands, &push);
-            girih_dispatch_items(plan, commands);
+            girih_dispatch_items(plan, commands, GIRIH_STATUS_EVALUATE);
         }
     }
 }

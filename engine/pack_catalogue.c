@@ -57,8 +57,26 @@ static void write_range(uint32_t *words, uint32_t index_bytes, const girih_catal
     }
 }
 
+// One copy of a range's triangles, two words each, for output.
+static void write_triangles(uint32_t *words, const girih_catalogue *catalogue,
+                            const girih_base_pattern *pattern, int mirrored) {
+    const uint32_t order[3] = {0, mirrored ? 2 : 1, mirrored ? 1 : 2};
+    for (uint32_t triangle = 0; triangle < pattern->triangle_count; ++triangle, words += 2) {
+        uint64_t packed = 0;
+        for (uint32_t corner = 0; corner < 3; ++corner) {
+            packed |=
+                (uint64_t)girih_catalogue_index(catalogue, pattern, 3 * triangle + order[corner])
+                << (corner * GIRIH_TRIANGLE_BITS);
+        }
+        words[0] = (uint32_t)packed;
+        words[1] = (uint32_t)(packed >> 32);
+    }
+}
+
 typedef struct totals {
     uint64_t indices;
+    uint64_t index_words; // rounded to an even number: the triangles come after them
+    uint64_t triangles;
     uint32_t ranges;
     uint32_t index_bytes;
 } totals;
@@ -74,10 +92,18 @@ static girih_result sum_patterns(const girih_catalogue *catalogue, totals *sums,
                               " are more than its %" PRIu32 " triangles can use",
                               pattern->vertex_count, rank, pattern->triangle_count);
         }
+        if (pattern->vertex_count > GIRIH_TRIANGLE_MASK + 1) {
+            return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
+                              "catalogue: %" PRIu32 " vertices of pattern %" PRIu32
+                              " are more than %u",
+                              pattern->vertex_count, rank, GIRIH_TRIANGLE_MASK + 1);
+        }
         sums->indices += range_indices(pattern) * ranges_of(pattern);
+        sums->triangles += (uint64_t)pattern->triangle_count * ranges_of(pattern);
         sums->ranges += ranges_of(pattern);
         sums->index_bytes = pattern->index_bytes == 4 ? 4 : sums->index_bytes;
     }
+    sums->index_words = girih_ceiling_quotient(sums->indices * sums->index_bytes, 8) * 2;
     if (sums->indices > UINT32_MAX || catalogue->vertex_count > UINT32_MAX) {
         return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
                           "catalogue: %" PRIu64 " indices and %" PRIu64
@@ -88,11 +114,12 @@ static girih_result sum_patterns(const girih_catalogue *catalogue, totals *sums,
 }
 
 static void write_patterns(girih_arrays *arrays, const girih_catalogue *catalogue,
-                           uint32_t index_bytes) {
+                           const totals *sums) {
     uint32_t *patterns = arrays->words[GIRIH_BIND_PATTERNS];
     uint32_t *range_ranks = patterns + (size_t)catalogue->pattern_count * GIRIH_PATTERN_WORDS;
     uint32_t *indices = arrays->words[GIRIH_BIND_PATTERN_INDICES];
     uint32_t index = 0;
+    uint32_t triangle = (uint32_t)(sums->index_words / 2);
     uint32_t range = 0;
     for (uint32_t rank = 0; rank < catalogue->pattern_count; ++rank) {
         const girih_base_pattern *pattern = girih_catalogue_pattern(catalogue, rank);
@@ -105,13 +132,16 @@ static void write_patterns(girih_arrays *arrays, const girih_catalogue *catalogu
         words[GIRIH_PATTERN_REPLICAS] = replicas_of(pattern);
         words[GIRIH_PATTERN_CHUNKS] =
             (uint32_t)girih_ceiling_quotient(pattern->vertex_count, GIRIH_CHUNK_VERTICES);
+        words[GIRIH_PATTERN_FIRST_TRIANGLE] = triangle;
         const uint32_t ranges = ranges_of(pattern);
         for (uint32_t mirrored = 0; mirrored < ranges; ++mirrored) {
             words[GIRIH_PATTERN_FIRST_MIRRORED] = index;
             if (!mirrored) {
                 words[GIRIH_PATTERN_FIRST_INDEX] = index;
             }
-            write_range(indices, index_bytes, catalogue, pattern, index, mirrored != 0);
+            write_range(indices, sums->index_bytes, catalogue, pattern, index, mirrored != 0);
+            write_triangles(indices + 2 * (size_t)triangle, catalogue, pattern, mirrored != 0);
+            triangle += pattern->triangle_count;
             index += (uint32_t)range_indices(pattern);
             range_ranks[range++] = rank;
         }
@@ -133,15 +163,14 @@ girih_result girih_pack_catalogue(girih_arrays *arrays, const girih_catalogue *c
                                       error);
     }
     if (result == GIRIH_OK) {
-        result =
-            girih_allocate_words(arrays, GIRIH_BIND_PATTERN_INDICES,
-                                 girih_ceiling_quotient(sums.indices * sums.index_bytes, 4), error);
+        result = girih_allocate_words(arrays, GIRIH_BIND_PATTERN_INDICES,
+                                      sums.index_words + 2 * sums.triangles, error);
     }
     if (result != GIRIH_OK) {
         girih_arrays_free(arrays, GIRIH_BIND_PATTERNS, GIRIH_BIND_PATTERN_INDICES + 1);
         return result;
     }
-    write_patterns(arrays, catalogue, sums.index_bytes);
+    write_patterns(arrays, catalogue, &sums);
     // The patterns' vertices stand one after another from the first pattern on.
     memcpy(arrays->words[GIRIH_BIND_PATTERN_VERTICES],
            girih_catalogue_vertices(catalogue, girih_catalogue_pattern(catalogue, 0)),

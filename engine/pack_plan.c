@@ -131,6 +131,7 @@ static void write_instances(uint32_t *records, const girih_scene_table *table,
         record[GIRIH_INSTANCE_FIRST_TRIANGLE] = triangle;
         record[GIRIH_INSTANCE_FIRST_EDGE] = edge;
         record[GIRIH_INSTANCE_FIRST_WELD_EDGE] = weld_edge;
+        record[GIRIH_INSTANCE_FIRST_CORNER] = corner;
         record[GIRIH_INSTANCE_TRIANGLE_DELTA] = triangle - mesh->first_triangle;
         record[GIRIH_INSTANCE_EDGE_DELTA] = edge - mesh->first_edge;
         record[GIRIH_INSTANCE_WELD_DELTA] = weld_edge - mesh->first_weld_edge;
@@ -140,11 +141,12 @@ static void write_instances(uint32_t *records, const girih_scene_table *table,
         triangle += mesh->triangle_count;
         edge += mesh->edge_count;
         weld_edge += mesh->weld_edge_count;
-        corner += mesh->vertex_count;
+        corner += welded ? mesh->vertex_count : 0;
     }
     record[GIRIH_INSTANCE_FIRST_TRIANGLE] = triangle;
     record[GIRIH_INSTANCE_FIRST_EDGE] = edge;
     record[GIRIH_INSTANCE_FIRST_WELD_EDGE] = weld_edge;
+    record[GIRIH_INSTANCE_FIRST_CORNER] = corner;
 }
 
 // The instance of each GIRIH_BLOCK-th number out of count; `first` is the field with an instance's
@@ -306,12 +308,13 @@ girih_result girih_pack_plan(girih_arrays *arrays, girih_plan_shape *shape,
     frame->triangle_blocks = 0;
     frame->edge_blocks = block_words(frame->triangle_count);
     frame->weld_blocks = frame->edge_blocks + block_words(frame->edge_count);
+    frame->corner_blocks = frame->weld_blocks + block_words(frame->weld_edge_count);
     result = girih_allocate_words(arrays, GIRIH_BIND_INSTANCES,
                                   ((uint64_t)instance_count + 1) * GIRIH_INSTANCE_WORDS, error);
     if (result == GIRIH_OK) {
         result = girih_allocate_words(
             arrays, GIRIH_BIND_BLOCKS,
-            (uint64_t)frame->weld_blocks + block_words(frame->weld_edge_count), error);
+            (uint64_t)frame->corner_blocks + block_words(frame->corner_count), error);
     }
     if (result != GIRIH_OK) {
         girih_arrays_free(arrays, GIRIH_BIND_INSTANCES, GIRIH_BIND_BLOCKS + 1);
@@ -326,5 +329,7 @@ girih_result girih_pack_plan(girih_arrays *arrays, girih_plan_shape *shape,
                  frame->edge_count);
     write_blocks(blocks + frame->weld_blocks, records, GIRIH_INSTANCE_FIRST_WELD_EDGE,
                  frame->weld_edge_count);
+    write_blocks(blocks + frame->corner_blocks, records, GIRIH_INSTANCE_FIRST_CORNER,
+                 frame->corner_count);
     return GIRIH_OK;
 }

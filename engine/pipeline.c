@@ -42,9 +42,15 @@ static uint32_t variant_mask(uint32_t shader) {
     case GIRIH_SHADER_evaluate_points_flat:
     case GIRIH_SHADER_evaluate_points_pn:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES |
-               GIRIH_VARIANT_WELDED | GIRIH_VARIANT_DYNAMIC;
+               GIRIH_VARIANT_CULL | GIRIH_VARIANT_WELDED | GIRIH_VARIANT_DYNAMIC;
+    case GIRIH_SHADER_evaluate_edges_flat:
+    case GIRIH_SHADER_evaluate_edges_pn:
+        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES |
+               GIRIH_VARIANT_DYNAMIC;
+    case GIRIH_SHADER_evaluate_corners:
+        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_ATTRIBUTES | GIRIH_VARIANT_DYNAMIC;
     case GIRIH_SHADER_output_lists:
-        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_WELDED;
+        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_WELDED | 7u << GIRIH_VARIANT_OUTPUT_SHIFT;
     case GIRIH_SHADER_evaluate_items:
     case GIRIH_SHADER_output_weld_blocks:
     case GIRIH_SHADER_output_weld_offsets:

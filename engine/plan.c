@@ -86,6 +86,9 @@ girih_result girih_plan_need_pipelines(const girih_plan *plan, girih_error *erro
     const bool apart = !plan->small;
     const uint32_t select = girih_select_shader(plan);
     const bool own_points = girih_evaluates_own_points(plan);
+    const bool few = context->few_buffers;
+    const uint32_t lists =
+        plan->outputs & (GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_CLOSED_INDICES | GIRIH_OUTPUT_SOURCES);
     const struct {
         uint32_t shader, further;
         bool wanted;
@@ -109,7 +112,16 @@ girih_result girih_plan_need_pipelines(const girih_plan *plan, girih_error *erro
         {GIRIH_SHADER_dispatch_draws, 0,
          apart && plan->mode != GIRIH_MODE_INSTANCED && frame->draws_per_material},
         {own_points ? 0 : girih_evaluate_shader(plan), 0, !own_points},
-        {GIRIH_SHADER_output_lists, 0, plan->triangle_windows > 0},
+        {girih_evaluate_shader(plan), GIRIH_VARIANT_CULL, girih_evaluates_borders(plan)},
+        {GIRIH_SHADER_evaluate_corners, 0, girih_evaluates_borders(plan)},
+        {girih_edges_shader(plan), 0, girih_evaluates_borders(plan)},
+        {GIRIH_SHADER_output_lists, lists << GIRIH_VARIANT_OUTPUT_SHIFT, lists && !few},
+        {GIRIH_SHADER_output_lists, GIRIH_OUTPUT_INDICES << GIRIH_VARIANT_OUTPUT_SHIFT,
+         few && (lists & GIRIH_OUTPUT_INDICES)},
+        {GIRIH_SHADER_output_lists, GIRIH_OUTPUT_CLOSED_INDICES << GIRIH_VARIANT_OUTPUT_SHIFT,
+         few && (lists & GIRIH_OUTPUT_CLOSED_INDICES)},
+        {GIRIH_SHADER_output_lists, GIRIH_OUTPUT_SOURCES << GIRIH_VARIANT_OUTPUT_SHIFT,
+         few && (lists & GIRIH_OUTPUT_SOURCES)},
         {GIRIH_SHADER_output_weld_blocks, 0, plan->mode == GIRIH_MODE_WELDED},
         {GIRIH_SHADER_output_weld_sums, 0, plan->mode == GIRIH_MODE_WELDED},
         {GIRIH_SHADER_output_weld_offsets, 0, plan->mode == GIRIH_MODE_WELDED},

@@ -62,11 +62,11 @@ void girih_dispatch_invocations(const girih_plan *plan, VkCommandBuffer commands
     plan->context->vk.CmdDispatch(commands, rows > 1 ? 65535 : (uint32_t)workgroups, rows, 1);
 }
 
-void girih_dispatch_items(const girih_plan *plan, VkCommandBuffer commands) {
+void girih_dispatch_items(const girih_plan *plan, VkCommandBuffer commands, uint32_t arguments) {
     const girih_buffer *work = &plan->buffers[GIRIH_PLAN_WORK];
     plan->context->vk.CmdDispatchIndirect(commands, work->buffer,
                                           work->offset + plan->offset[GIRIH_BIND_STATUS] +
-                                              4 * GIRIH_STATUS_EVALUATE);
+                                              4 * (VkDeviceSize)arguments);
 }
 
 static void timestamp(const girih_plan *plan, VkCommandBuffer commands,

@@ -111,6 +111,7 @@ GIRIH_FOUR_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_INSTANCES, GirihInstances, girih
 #define GIRIH_AT_TRIANGLE_MATERIALS(I) girih_triangle_materials GIRIH_AT(GIRIH_BIND_TRIANGLE_MATERIALS, I)
 #define GIRIH_AT_SEAMS(I) girih_seams GIRIH_AT(GIRIH_BIND_SEAMS, I)
 #define GIRIH_AT_TRIANGLE_WELD_EDGES(I) girih_triangle_weld_edges GIRIH_AT(GIRIH_BIND_TRIANGLE_WELD_EDGES, I)
+#define GIRIH_AT_WELD_EDGES(I) girih_weld_edges GIRIH_AT_PAIR(GIRIH_BIND_WELD_EDGES, I)
 #define GIRIH_AT_WELD_EDGE_EDGES(I) girih_weld_edges GIRIH_AT_PAIR(GIRIH_BIND_WELD_EDGES, I).x
 #define GIRIH_AT_WELD_EDGE_OWNERS(I) girih_weld_edges GIRIH_AT_PAIR(GIRIH_BIND_WELD_EDGES, I).y
 #define GIRIH_AT_WELD_POINTS(I) girih_points GIRIH_AT_PAIR(GIRIH_BIND_POINTS, I).x
@@ -135,7 +136,10 @@ uint girih_instance(uint instance, uint field) {
 GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_EDGE_POINTS, GirihEdgePoints, girih_edge_points)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERNS, GirihPatterns, girih_patterns)
 GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERN_VERTICES, GirihPatternVertices, girih_pattern_vertices)
-GIRIH_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERN_INDICES, GirihPatternIndices, girih_pattern_indices)
+GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_PATTERN_INDICES, GirihPatternTriangles, girih_pattern_triangles)
+GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_VERTICES, GirihTriangleVertexPairs, girih_triangle_vertex_pairs)
+GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_EDGES, GirihTriangleEdgePairs, girih_triangle_edge_pairs)
+GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_WELD_EDGES, GirihTriangleWeldEdgePairs, girih_triangle_weld_edge_pairs)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_BLOCKS, GirihBlocks, girih_blocks)
 GIRIH_STAGE_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_LEVELS, GirihLevels, uint, girih_levels)
 GIRIH_STAGE_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_KEYS, GirihKeys, uint, girih_keys)
@@ -156,12 +160,17 @@ layout(std430, set = GIRIH_SET, binding = GIRIH_OUTPUT_BINDING(GIRIH_BIND_OUT_AT
 };
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_INDICES, GirihOutIndices, girih_out_indices)
 GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_CLOSED_INDICES, GirihOutClosedIndices, girih_out_closed_indices)
-GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, girih_out_sources)
+GIRIH_PAIR_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_INDICES, GirihOutIndexPairs, girih_out_index_pairs)
+GIRIH_PAIR_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_CLOSED_INDICES, GirihOutClosedIndexPairs, girih_out_closed_index_pairs)
+GIRIH_PAIR_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, girih_out_sources)
 
 #define GIRIH_AT_EDGE_POINTS(I) girih_edge_points GIRIH_AT_PAIR(GIRIH_BIND_EDGE_POINTS, I)
 #define GIRIH_AT_PATTERNS(I) girih_patterns GIRIH_AT(GIRIH_BIND_PATTERNS, I)
 #define GIRIH_AT_PATTERN_VERTICES(I) girih_pattern_vertices GIRIH_AT(GIRIH_BIND_PATTERN_VERTICES, I)
-#define GIRIH_AT_PATTERN_INDICES(I) girih_pattern_indices GIRIH_AT(GIRIH_BIND_PATTERN_INDICES, I)
+#define GIRIH_AT_PATTERN_TRIANGLES(I) girih_pattern_triangles GIRIH_AT_PAIR(GIRIH_BIND_PATTERN_INDICES, I)
+#define GIRIH_AT_TRIANGLE_VERTEX_PAIRS(I) girih_triangle_vertex_pairs GIRIH_AT_PAIR(GIRIH_BIND_TRIANGLE_VERTICES, I)
+#define GIRIH_AT_TRIANGLE_EDGE_PAIRS(I) girih_triangle_edge_pairs GIRIH_AT_PAIR(GIRIH_BIND_TRIANGLE_EDGES, I)
+#define GIRIH_AT_TRIANGLE_WELD_EDGE_PAIRS(I) girih_triangle_weld_edge_pairs GIRIH_AT_PAIR(GIRIH_BIND_TRIANGLE_WELD_EDGES, I)
 #define GIRIH_AT_BLOCKS(I) girih_blocks GIRIH_AT(GIRIH_BIND_BLOCKS, I)
 #define GIRIH_AT_LEVELS(I) girih_levels GIRIH_AT(GIRIH_BIND_LEVELS, I)
 #define GIRIH_AT_KEYS(I) girih_keys GIRIH_AT(GIRIH_BIND_KEYS, I)
@@ -180,7 +189,27 @@ GIRIH_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, girih_o
 #define GIRIH_AT_OUT_PATCH_FOURS(I) girih_out_patch_fours[I]
 #define GIRIH_AT_OUT_INDICES(I) girih_out_indices[I]
 #define GIRIH_AT_OUT_CLOSED_INDICES(I) girih_out_closed_indices[I]
+#define GIRIH_AT_OUT_INDEX_PAIRS(I) girih_out_index_pairs[I]
+#define GIRIH_AT_OUT_CLOSED_INDEX_PAIRS(I) girih_out_closed_index_pairs[I]
 #define GIRIH_AT_OUT_SOURCES(I) girih_out_sources[I]
+
+// Three words from `FIRST` on, as a pair and a single one: every load and store of every lane costs a CPU
+// device, and three words begin at an even word or end at one.
+#define GIRIH_READ_THREE(AT, AT_PAIRS, FIRST, V) \
+    { \
+        uint girih_word = (FIRST); \
+        bool girih_even = (girih_word & 1u) == 0u; \
+        uvec2 girih_pair = AT_PAIRS((girih_word + 1u) >> 1); \
+        uint girih_single = AT(girih_even ? girih_word + 2u : girih_word); \
+        V = girih_even ? uvec3(girih_pair, girih_single) : uvec3(girih_single, girih_pair); \
+    }
+#define GIRIH_WRITE_THREE(AT, AT_PAIRS, FIRST, V) \
+    { \
+        uint girih_word = (FIRST); \
+        bool girih_even = (girih_word & 1u) == 0u; \
+        AT_PAIRS((girih_word + 1u) >> 1) = girih_even ? (V).xy : (V).yz; \
+        AT(girih_even ? girih_word + 2u : girih_word) = girih_even ? (V).z : (V).x; \
+    }
 
 // Word `field` of a rank's pattern.
 uint girih_pattern(uint rank, uint field) {

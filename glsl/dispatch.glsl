@@ -19,6 +19,7 @@ shared uvec2 lane_triangles[girih_lanes];
 shared uint lane_draws[girih_lanes];
 shared uint lane_chunks[girih_lanes];
 shared uint lane_groups[girih_lanes];
+shared uint first_interior;
 
 uvec2 add_wide(uvec2 a, uvec2 b) {
     uint carry;
@@ -54,15 +55,21 @@ uvec2 group_items(uint group, bool level0) {
     return end == 0u ? uvec2(0u) : uvec2(first, end);
 }
 
+// The numbers of a pattern's vertices before the inner ones of edges 2 and 3 and the interior ones.
+uvec3 edge_ends(uint rank) {
+    uvec3 ends;
+    uint end = 3u;
+    for (uint n = 0u; n < 3u; ++n) {
+        end += girih_pattern(rank, GIRIH_PATTERN_SEGMENTS + n) - 1u;
+        ends[n] = end;
+    }
+    return ends;
+}
+
 // Vertices of a pattern that an item of it adds to the output.
 uint item_vertices(uint rank) {
     uint vertices = girih_pattern(rank, GIRIH_PATTERN_VERTICES);
-    if (girih_frame.output_mode == GIRIH_OUTPUT_WELDED) {
-        for (uint n = 0u; n < 3u; ++n) {
-            vertices -= girih_pattern(rank, GIRIH_PATTERN_SEGMENTS + n);
-        }
-    }
-    return vertices;
+    return girih_frame.output_mode == GIRIH_OUTPUT_WELDED ? vertices - edge_ends(rank).z : vertices;
 }
 
 // What evaluate and output need of the group `group` whose items are drawn as those of group `drawn`.
@@ -76,8 +83,15 @@ void write_record(uint group, uint drawn, uint first_item) {
     GIRIH_AT_GROUPS(word + GIRIH_GROUP_VERTICES) = girih_pattern(rank, GIRIH_PATTERN_VERTICES);
     GIRIH_AT_GROUPS(word + GIRIH_GROUP_PATTERN_VERTEX) = girih_pattern(rank, GIRIH_PATTERN_FIRST_VERTEX);
     GIRIH_AT_GROUPS(word + GIRIH_GROUP_BASE_VERTEX) = GIRIH_AT_GROUPS(from + GIRIH_GROUP_FIRST_VERTEX) - first_item * item_vertices(rank);
+    uint triangles = girih_pattern(rank, GIRIH_PATTERN_TRIANGLES);
     GIRIH_AT_GROUPS(word + GIRIH_GROUP_BASE_TRIANGLE) =
-        GIRIH_AT_GROUPS(from + GIRIH_GROUP_FIRST_TRIANGLE) - first_item * girih_pattern(rank, GIRIH_PATTERN_TRIANGLES);
+        GIRIH_AT_GROUPS(from + GIRIH_GROUP_FIRST_TRIANGLE) - first_item * triangles;
+    uvec3 ends = edge_ends(rank);
+    GIRIH_AT_GROUPS(word + GIRIH_GROUP_PATTERN_TRIANGLE) =
+        girih_pattern(rank, GIRIH_PATTERN_FIRST_TRIANGLE) + (mirrored != 0u ? triangles : 0u);
+    GIRIH_AT_GROUPS(word + GIRIH_GROUP_TRIANGLES) = triangles;
+    GIRIH_AT_GROUPS(word + GIRIH_GROUP_EDGE_ENDS) = ends.x | ends.y << 16;
+    GIRIH_AT_GROUPS(word + GIRIH_GROUP_INTERIOR) = ends.z;
 }
 
 // What one group adds.
@@ -146,10 +160,21 @@ bool exceeds(uvec2 wide, uint room) {
     return wide.y != 0u || wide.x > room;
 }
 
+void write_dispatch(uint field, uint invocations) {
+    uint workgroups = (invocations + uint(GIRIH_WORKGROUP) - 1u) / uint(GIRIH_WORKGROUP);
+    uint rows = (workgroups + 65534u) / 65535u;
+    GIRIH_AT_STATUS(field) = rows > 1u ? 65535u : workgroups;
+    GIRIH_AT_STATUS(field + 1u) = rows;
+    GIRIH_AT_STATUS(field + 2u) = 1u;
+}
+
 // One workgroup: each lane sums a run of groups, the sums of the lanes before it are added, and it
 // walks its run again to write.
 void dispatch_groups() {
     uint lane = gl_LocalInvocationID.x;
+    if (lane == 0u) {
+        first_interior = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
+    }
     uint run = (girih_frame.group_count + girih_lanes - 1u) / girih_lanes;
     uint begin = min(lane * run, girih_frame.group_count);
     uint end = min(begin + run, girih_frame.group_count);
@@ -192,6 +217,9 @@ void dispatch_groups() {
         uint rank = girih_range_rank(range);
         if (count != 0u) {
             GIRIH_AT_STATUS(GIRIH_STATUS_WORDS + rank) = 1u;
+            if (item_vertices(rank) != 0u) {
+                atomicMin(first_interior, items.x);
+            }
         }
         if (range == 0u) {
             GIRIH_AT_STATUS(GIRIH_STATUS_WORDS + girih_frame.pattern_count + group / girih_frame.range_count) = sums.triangles.x;
@@ -246,11 +274,9 @@ void dispatch_groups() {
         if (girih_frame.output_mode != GIRIH_OUTPUT_INSTANCED) {
             invocations += total.chunks;
         }
-        uint workgroups = (invocations + uint(GIRIH_WORKGROUP) - 1u) / uint(GIRIH_WORKGROUP);
-        uint rows = (workgroups + 65534u) / 65535u;
-        GIRIH_AT_STATUS(GIRIH_STATUS_EVALUATE) = rows > 1u ? 65535u : workgroups;
-        GIRIH_AT_STATUS(GIRIH_STATUS_EVALUATE + 1u) = rows;
-        GIRIH_AT_STATUS(GIRIH_STATUS_EVALUATE + 2u) = 1u;
+        write_dispatch(GIRIH_STATUS_EVALUATE, invocations);
+        write_dispatch(GIRIH_STATUS_INTERIOR, invocations - first_interior);
+        GIRIH_AT_STATUS(GIRIH_STATUS_FIRST_INTERIOR) = first_interior;
     }
 }
 

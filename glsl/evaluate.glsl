@@ -1,6 +1,8 @@
 // Stage 5: patches for the instanced mode (GIRIH_KERNEL 0), or the surface's points in buffers for the
-// baked and welded modes (1). With a host's surface (GIRIH_SURFACE 2) the vertex shader gathers its
-// patches itself, and the instanced mode's records only name triangles.
+// baked and welded modes (1). Welded, each point is evaluated once: those inside triangles by kernel 1,
+// corners by kernel 2, those inside edges by kernel 3. With a host's surface (GIRIH_SURFACE 2) the vertex
+// shader gathers its patches itself, the instanced mode's records only name triangles, and kernel 1
+// evaluates shared points with every triangle that has them.
 #ifndef GIRIH_EVALUATE_GLSL
 #define GIRIH_EVALUATE_GLSL
 
@@ -85,25 +87,16 @@ bool girih_in_window(uint vertex) {
     return vertex - girih_window_first < girih_window_count;
 }
 
-// Three words of an output from `word` on, as a pair and a single one: every store costs a CPU device, and a
-// vertex of three words begins at an even word or ends at one.
-#define GIRIH_WRITE_VECTOR(AT, AT_PAIR, WORD, V) \
-    { \
-        uint girih_word = (WORD); \
-        bool girih_even = (girih_word & 1u) == 0u; \
-        AT_PAIR((girih_word + 1u) >> 1) = floatBitsToUint(girih_even ? (V).xy : (V).yz); \
-        AT(girih_even ? girih_word + 2u : girih_word) = floatBitsToUint(girih_even ? (V).z : (V).x); \
-    }
-
 void girih_write_position(uint vertex, vec3 position) {
-    GIRIH_WRITE_VECTOR(GIRIH_AT_OUT_POSITIONS, GIRIH_AT_OUT_POSITION_PAIRS,
-                       (vertex - girih_window_first) * 3u, position)
+    uvec3 words = floatBitsToUint(position);
+    GIRIH_WRITE_THREE(GIRIH_AT_OUT_POSITIONS, GIRIH_AT_OUT_POSITION_PAIRS, (vertex - girih_window_first) * 3u, words)
 }
 
 // `first`: a word of the vertex's record.
 void girih_write_attribute_vector(uint vertex, uint first, vec3 v) {
-    GIRIH_WRITE_VECTOR(GIRIH_AT_OUT_ATTRIBUTES, GIRIH_AT_OUT_ATTRIBUTE_PAIRS,
-                       (vertex - girih_window_first) * girih_stride + first, v)
+    uvec3 words = floatBitsToUint(v);
+    GIRIH_WRITE_THREE(GIRIH_AT_OUT_ATTRIBUTES, GIRIH_AT_OUT_ATTRIBUTE_PAIRS,
+                      (vertex - girih_window_first) * girih_stride + first, words)
 }
 
 // Linear interpolation, each side of a seam with its own: `vertices` and weights in the same order.
@@ -135,42 +128,52 @@ void girih_write_point(uint vertex, uint vertices[3], vec3 barycentric, vec3 pos
     girih_write_attributes(vertex, vertices, barycentric);
 }
 
+#if GIRIH_KERNEL == 1
+
 // There is no way out before the end, and what can be is done outside of all branches: a CPU device walks
 // through them anyway, and reads what is the same for all lanes only once where all of them are there.
 void main() {
     bool overflow = girih_overflow();
     girih_begin();
+    // Where many triangles are culled, their corners and edges are better not evaluated at all.
+    bool by_items = girih_has(GIRIH_VARIANT_WELDED) && girih_has(GIRIH_VARIANT_CULL);
+    bool interior = girih_has(GIRIH_VARIANT_WELDED) && !by_items;
     uint number;
     uint chunk;
-    bool there = girih_work(girih_interleaved_invocation(), number, chunk);
+    bool there = girih_work(girih_interleaved_invocation(), interior ? GIRIH_AT_STATUS(GIRIH_STATUS_FIRST_INTERIOR) : 0u,
+                            number, chunk);
     GirihItem item = girih_read_item(number, overflow);
     uvec4 work = girih_group_work(item.group);
     uint count = work[0];
+    uint pattern_vertex = work[GIRIH_GROUP_PATTERN_VERTEX - GIRIH_GROUP_VERTICES];
+    // Pattern vertices that other kernels evaluate.
+    uint border = interior ? girih_group(item.group, GIRIH_GROUP_INTERIOR) : 0u;
+    uint first = work[GIRIH_GROUP_BASE_VERTEX - GIRIH_GROUP_VERTICES] + number * (count - border) - border;
     uint begin = chunk * GIRIH_CHUNK_VERTICES;
     uint end = there ? min(begin + GIRIH_CHUNK_VERTICES, count) : 0u;
-    uint pattern_vertex = work[GIRIH_GROUP_PATTERN_VERTEX - GIRIH_GROUP_VERTICES];
-    uint first = work[GIRIH_GROUP_BASE_VERTEX - GIRIH_GROUP_VERTICES] + number * count;
-    bool welded = girih_has(GIRIH_VARIANT_WELDED);
     uint vertices[3];
     girih_item_vertices(item, vertices);
     GirihWeld weld;
-    if (welded) {
-        weld = girih_item_weld(item, vertices, false);
+    if (by_items) {
+        weld = girih_item_weld(item, vertices, work, girih_group_shape(item.group), false);
     }
     GirihPatch p = girih_item_patch(item, vertices);
-    // The corners need no formula.
-    vec3 corners[3] = vec3[3](p.b300, p.b030, p.b003);
-    vec3 normals[3] = vec3[3](p.n200, p.n020, p.n002);
-    for (uint n = 0u; n < 3u; ++n) {
-        uint vertex = welded ? weld.corners[n] : first + n;
-        if (begin == 0u && end != 0u && girih_in_window(vertex)) {
-            girih_write_point(vertex, vertices, vec3(n == 0u, n == 1u, n == 2u), girih_no_negative_zero(corners[n]),
-                              girih_no_negative_zero(girih_normalize(normals[n])));
+    if (!interior) {
+        // The corners need no formula.
+        vec3 corners[3] = vec3[3](p.b300, p.b030, p.b003);
+        vec3 normals[3] = vec3[3](p.n200, p.n020, p.n002);
+        for (uint n = 0u; n < 3u; ++n) {
+            uint vertex = by_items ? weld.corners[n] : first + n;
+            if (begin == 0u && end != 0u && girih_in_window(vertex)) {
+                girih_write_point(vertex, vertices, vec3(n == 0u, n == 1u, n == 2u),
+                                  girih_no_negative_zero(corners[n]),
+                                  girih_no_negative_zero(girih_normalize(normals[n])));
+            }
         }
     }
-    uint n = max(begin, 3u);
+    uint n = max(begin, max(border, 3u));
     do {
-        uint vertex = welded ? girih_weld_vertex(weld, n) : first + n;
+        uint vertex = by_items ? girih_weld_vertex(weld, n) : first + n;
         if (n < end && girih_in_window(vertex)) {
             vec3 b = girih_barycentric(girih_pattern_weights(pattern_vertex + n));
             girih_write_point(vertex, vertices, b, girih_patch_position(p, b.x, b.y, b.z),
@@ -180,6 +183,72 @@ void main() {
     } while (n < end);
 }
 
+#elif GIRIH_KERNEL == 2
+
+// One invocation a corner: the surface goes through it.
+void main() {
+    girih_begin();
+    uint count = girih_frame.corner_count;
+    uint invocation = girih_invocation();
+    uint vertex = min(invocation, count - 1u);
+    uint instance = girih_find_instance(vertex, GIRIH_INSTANCE_FIRST_CORNER, girih_frame.corner_blocks);
+    uint scene_vertex = vertex - girih_instance(instance, GIRIH_INSTANCE_VERTEX_DELTA);
+    GirihTransform t = girih_instance_transform(instance, 0u);
+    GirihTransform nt = girih_instance_normal_transform(instance, 0u);
+    vec3 position;
+    vec3 normal;
+    girih_vertex(scene_vertex, 0u, position, normal);
+    if (invocation < count && girih_in_window(vertex)) {
+        uint vertices[3] = uint[3](scene_vertex, scene_vertex, scene_vertex);
+        girih_write_point(vertex, vertices, vec3(1.0, 0.0, 0.0),
+                          girih_no_negative_zero(girih_transform_point(t, position)),
+                          girih_no_negative_zero(girih_normalize(girih_transform_point(nt, normal))));
+    }
+}
+
+#else
+
+// One invocation a weld edge, from its first to its second end in canonical order. What a patch is on an
+// edge depends on the edge alone: the other corner's terms vanish, and those that remain are grouped alike.
+void main() {
+    bool overflow = girih_overflow();
+    girih_begin();
+    uint corner_count = girih_frame.corner_count;
+    uint count = girih_frame.weld_edge_count;
+    uint linear_spacing = girih_frame.linear_spacing;
+    uint invocation = girih_invocation();
+    uint number = min(invocation, count - 1u);
+    uint instance = girih_find_instance(number, GIRIH_INSTANCE_FIRST_WELD_EDGE, girih_frame.weld_blocks);
+    uint scene_weld_edge = number - girih_instance(instance, GIRIH_INSTANCE_WELD_DELTA);
+    uvec2 record = GIRIH_AT_WELD_EDGES(scene_weld_edge);
+    uint level = GIRIH_AT_LEVELS(record.x + girih_instance(instance, GIRIH_INSTANCE_EDGE_DELTA));
+    uint inner = linear_spacing != 0u ? level : (1u << level) - 1u;
+    uint end = overflow || invocation >= count ? 0u : inner;
+    // The pattern [level,0,0] has the same vertices on its first edge as all patterns on such an edge.
+    uint rank = level * (level + 1u) * (level + 2u) / 6u;
+    uint pattern_vertex = girih_pattern(rank, GIRIH_PATTERN_FIRST_VERTEX) + 3u;
+    uint first = corner_count + GIRIH_AT_WELD_OFFSETS(number);
+    uint owner = record.y;
+    uint next = owner % 3u == 2u ? owner - 2u : owner + 1u;
+    uint word = GIRIH_AT_TRIANGLE_EDGES(owner);
+    bool reversed = (word & GIRIH_EDGE_REVERSED) != 0u;
+    uint a = GIRIH_AT_TRIANGLE_VERTICES(reversed ? next : owner);
+    uint b = GIRIH_AT_TRIANGLE_VERTICES(reversed ? owner : next);
+    uint vertices[3] = uint[3](a, b, a);
+    GirihCurve curve = girih_gather_curve(instance, a, b, word & ~GIRIH_EDGE_REVERSED);
+    uint n = 0u;
+    do {
+        if (n < end && girih_in_window(first + n)) {
+            vec3 weights = girih_barycentric(girih_pattern_weights(pattern_vertex + n));
+            girih_write_point(first + n, vertices, weights, girih_curve_position(curve, weights.x, weights.y),
+                              girih_curve_unit_normal(curve, weights.x, weights.y));
+        }
+        ++n;
+    } while (n < end);
+}
+
+#endif
+
 #else
 
 void main() {
@@ -187,7 +256,7 @@ void main() {
     girih_begin();
     uint number;
     uint chunk;
-    if (!girih_work(girih_interleaved_invocation(), number, chunk)) {
+    if (!girih_work(girih_interleaved_invocation(), 0u, number, chunk)) {
         return;
     }
     GirihItem item = girih_read_item(number, overflow);
@@ -205,7 +274,7 @@ void main() {
     girih_item_vertices(item, vertices);
     GirihWeld weld;
     if (welded) {
-        weld = girih_item_weld(item, vertices, false);
+        weld = girih_item_weld(item, vertices, work, girih_group_shape(item.group), false);
     }
     uint pattern_vertex = work[GIRIH_GROUP_PATTERN_VERTEX - GIRIH_GROUP_VERTICES];
     GirihPatch patch_ = girih_own_patch(item.scene_triangle, item.instance, false);

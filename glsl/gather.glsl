@@ -49,4 +49,32 @@ GirihPatch girih_gather_patch(uint instance, uint vertices[3], uint edges[3], bo
     return patch_;
 }
 
+#if GIRIH_SURFACE != 2
+
+// The edge from vertex a to vertex b, `edge` its word of TRIANGLE_EDGES relative to that direction.
+GirihCurve girih_gather_curve(uint instance, uint a, uint b, uint edge) {
+    vec3 p[2];
+    vec3 n[2];
+    girih_vertex(a, 0u, p[0], n[0]);
+    girih_vertex(b, 0u, p[1], n[1]);
+    GirihTransform t = girih_instance_transform(instance, 0u);
+    GirihTransform nt = girih_instance_normal_transform(instance, 0u);
+    GirihCurve curve;
+    curve.b30 = girih_transform_point(t, p[0]);
+    curve.b03 = girih_transform_point(t, p[1]);
+    curve.n20 = girih_transform_point(nt, n[0]);
+    curve.n02 = girih_transform_point(nt, n[1]);
+#if GIRIH_CURVED == 1
+    vec3 near_a;
+    vec3 near_b;
+    girih_pn_edge(p[0], p[1], n[0], n[1], edge, girih_instance(instance, GIRIH_INSTANCE_SEAM_DELTA), 0u, near_a, near_b);
+    curve.b21 = girih_transform_point(t, near_a);
+    curve.b12 = girih_transform_point(t, near_b);
+    curve.n11 = girih_transform_point(nt, girih_pn_edge_normal(p[0], p[1], n[0], n[1]));
+#endif
+    return curve;
+}
+
+#endif
+
 #endif

@@ -14,64 +14,70 @@
 
 #if GIRIH_KERNEL == 0
 
-uint pattern_index(uint n) {
-    if (girih_frame.index_bytes == 4u) {
-        return GIRIH_AT_PATTERN_INDICES(n);
-    }
-    return GIRIH_AT_PATTERN_INDICES(n >> 1) >> (16u * (n & 1u)) & 0xffffu;
+uvec3 pattern_triangle(uint n) {
+    uvec2 words = GIRIH_AT_PATTERN_TRIANGLES(n);
+    return uvec3(words.x, words.x >> GIRIH_TRIANGLE_BITS | words.y << (32u - GIRIH_TRIANGLE_BITS),
+                 words.y >> (2u * GIRIH_TRIANGLE_BITS - 32u)) & GIRIH_TRIANGLE_MASK;
 }
 
+uvec3 weld_triangle(GirihWeld weld, uvec3 corners) {
+    return uvec3(girih_weld_vertex(weld, corners.x), girih_weld_vertex(weld, corners.y),
+                 girih_weld_vertex(weld, corners.z));
+}
+
+bool writes(uint list) {
+    return girih_has(list << GIRIH_VARIANT_OUTPUT_SHIFT);
+}
+
+// As evaluate's: no way out before the end, and what can be is done outside of all branches.
 void main() {
     bool overflow = girih_overflow();
+    uint window_first = girih_push.window_first;
+    uint window_count = girih_push.window_count;
     uint number;
     uint chunk;
-    if (!girih_work(girih_interleaved_invocation(), number, chunk)) {
-        return;
-    }
+    bool there = girih_work(girih_interleaved_invocation(), 0u, number, chunk);
     GirihItem item = girih_read_item(number, overflow);
-    uint count = girih_pattern(item.rank, GIRIH_PATTERN_TRIANGLES);
+    uvec4 work = girih_group_work(item.group);
+    uvec4 shape = girih_group_shape(item.group);
+    uint count = shape[GIRIH_GROUP_TRIANGLES - GIRIH_GROUP_PATTERN_TRIANGLE];
+    uint pattern = shape[0];
     // A pattern has less than twice as many triangles as vertices (Euler).
-    uint begin = min(chunk * 2u * GIRIH_CHUNK_VERTICES, count);
-    uint end = min(begin + 2u * GIRIH_CHUNK_VERTICES, count);
-    uint first = girih_group(item.group, GIRIH_GROUP_BASE_TRIANGLE) + number * count;
-    if (first + end <= girih_push.window_first || first + begin >= girih_push.window_first + girih_push.window_count) {
-        return;
-    }
+    uint triangle = min(chunk * 2u * GIRIH_CHUNK_VERTICES, count);
+    uint end = there ? min(triangle + 2u * GIRIH_CHUNK_VERTICES, count) : 0u;
+    uint first = work[GIRIH_GROUP_BASE_TRIANGLE - GIRIH_GROUP_VERTICES] + number * count - window_first;
     bool welded = girih_has(GIRIH_VARIANT_WELDED);
-    bool closed = (girih_push.outputs & GIRIH_OUTPUT_BIT_CLOSED_INDICES) != 0u;
-    uint first_vertex = 0u;
+    bool closed = writes(GIRIH_OUTPUT_BIT_CLOSED_INDICES);
+    uint first_vertex = work[GIRIH_GROUP_BASE_VERTEX - GIRIH_GROUP_VERTICES] + number * work[0];
     GirihWeld weld;
     GirihWeld closed_weld;
     if (welded) {
         uint vertices[3];
         girih_item_vertices(item, vertices);
-        weld = girih_item_weld(item, vertices, false);
+        weld = girih_item_weld(item, vertices, work, shape, false);
         if (closed) {
-            closed_weld = girih_item_weld(item, vertices, true);
+            closed_weld = girih_item_weld(item, vertices, work, shape, true);
         }
-    } else {
-        first_vertex = girih_group(item.group, GIRIH_GROUP_BASE_VERTEX) + number * girih_group(item.group, GIRIH_GROUP_VERTICES);
     }
-    uint first_index = girih_pattern(item.rank, item.mirrored ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
-    for (uint triangle = begin; triangle < end; ++triangle) {
-        uint slot = first + triangle - girih_push.window_first;
-        if (slot >= girih_push.window_count) {
-            continue;
-        }
-        for (uint corner = 0u; corner < 3u; ++corner) {
-            uint n = pattern_index(first_index + 3u * triangle + corner);
-            if ((girih_push.outputs & GIRIH_OUTPUT_BIT_INDICES) != 0u) {
-                GIRIH_AT_OUT_INDICES(3u * slot + corner) = welded ? girih_weld_vertex(weld, n) : first_vertex + n;
+    uint mesh_triangle = item.scene_triangle - girih_instance(item.instance, GIRIH_INSTANCE_MESH_TRIANGLE);
+    do {
+        uint slot = first + triangle;
+        uvec3 corners = pattern_triangle(pattern + min(triangle, count - 1u));
+        uvec3 triangle_vertices = welded ? weld_triangle(weld, corners) : first_vertex + corners;
+        if (triangle < end && slot < window_count) {
+            if (writes(GIRIH_OUTPUT_BIT_INDICES)) {
+                GIRIH_WRITE_THREE(GIRIH_AT_OUT_INDICES, GIRIH_AT_OUT_INDEX_PAIRS, 3u * slot, triangle_vertices)
             }
             if (closed) {
-                GIRIH_AT_OUT_CLOSED_INDICES(3u * slot + corner) = girih_weld_vertex(closed_weld, n);
+                uvec3 closed_vertices = weld_triangle(closed_weld, corners);
+                GIRIH_WRITE_THREE(GIRIH_AT_OUT_CLOSED_INDICES, GIRIH_AT_OUT_CLOSED_INDEX_PAIRS, 3u * slot, closed_vertices)
+            }
+            if (writes(GIRIH_OUTPUT_BIT_SOURCES)) {
+                GIRIH_AT_OUT_SOURCES(slot) = uvec2(item.instance, mesh_triangle);
             }
         }
-        if ((girih_push.outputs & GIRIH_OUTPUT_BIT_SOURCES) != 0u) {
-            GIRIH_AT_OUT_SOURCES(2u * slot) = item.instance;
-            GIRIH_AT_OUT_SOURCES(2u * slot + 1u) = item.scene_triangle - girih_instance(item.instance, GIRIH_INSTANCE_MESH_TRIANGLE);
-        }
-    }
+        ++triangle;
+    } while (triangle < end);
 }
 
 #else

@@ -56,24 +56,36 @@ GirihItem girih_read_item(uint number, bool overflow) {
     return item;
 }
 
+// The words PATTERN_TRIANGLE to INTERIOR of a group.
+uvec4 girih_group_shape(uint group) {
+    return GIRIH_AT_GROUP_FOURS((group * GIRIH_GROUP_WORDS + GIRIH_GROUP_PATTERN_TRIANGLE) / 4u);
+}
+
+// Of three words of a triangle the one that `which` of its corners or edges has.
+uint girih_pick(uvec3 words, uint which) {
+    return which == 0u ? words.x : which == 1u ? words.y : words.z;
+}
+
 void girih_item_vertices(GirihItem item, out uint vertices[3]) {
+    uvec3 words;
+    GIRIH_READ_THREE(GIRIH_AT_TRIANGLE_VERTICES, GIRIH_AT_TRIANGLE_VERTEX_PAIRS, 3u * item.scene_triangle, words)
     for (uint n = 0u; n < 3u; ++n) {
-        vertices[n] = GIRIH_AT_TRIANGLE_VERTICES(3u * item.scene_triangle + item.corners[n]);
+        vertices[n] = girih_pick(words, item.corners[n]);
     }
 }
 
-// The word of TRIANGLE_EDGES of the base pattern's edge `edge`, with its reversal relative to the pattern's.
-uint girih_item_edge(GirihItem item, uint edge) {
-#if GIRIH_CURVED == 1
-    uint word = GIRIH_AT_TRIANGLE_EDGES(3u * item.scene_triangle + item.edges[edge]);
-    return item.odd ? word ^ GIRIH_EDGE_REVERSED : word;
-#else
-    return 0u;
-#endif
-}
-
+// The words of TRIANGLE_EDGES of the base pattern's edges, with their reversal relative to the pattern's.
 uint[3] girih_item_edges(GirihItem item) {
-    return uint[3](girih_item_edge(item, 0u), girih_item_edge(item, 1u), girih_item_edge(item, 2u));
+    uint edges[3] = uint[3](0u, 0u, 0u);
+#if GIRIH_CURVED == 1
+    uvec3 words;
+    GIRIH_READ_THREE(GIRIH_AT_TRIANGLE_EDGES, GIRIH_AT_TRIANGLE_EDGE_PAIRS, 3u * item.scene_triangle, words)
+    words ^= item.odd ? GIRIH_EDGE_REVERSED : 0u;
+    for (uint n = 0u; n < 3u; ++n) {
+        edges[n] = girih_pick(words, item.edges[n]);
+    }
+#endif
+    return edges;
 }
 
 GirihPatch girih_item_patch(GirihItem item, uint vertices[3]) {
@@ -98,13 +110,14 @@ uint girih_quotient(inout uint number, uint divisor) {
     return quotient;
 }
 
-// The item and the share of its work that an invocation of evaluate or output does. Invocation n < items
-// has the first chunk of item n, with no search; what patterns of many vertices have beyond it is
+// The item and the share of its work that an invocation of evaluate or output does. Invocation n has the
+// first chunk of item first + n, with no search; what patterns of many vertices have beyond it is
 // shared out among further invocations. False: nothing to do; item and chunk are there nevertheless.
-bool girih_work(uint invocation, out uint item, out uint chunk) {
+bool girih_work(uint invocation, uint first, out uint item, out uint chunk) {
     uint items = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
     uint chunks = GIRIH_AT_STATUS(GIRIH_STATUS_CHUNKS);
     uint group_count = girih_frame.group_count;
+    invocation += first;
     item = min(invocation, items - 1u);
     chunk = 0u;
     uint further = invocation - items;
@@ -147,54 +160,55 @@ uint girih_interleaved_invocation() {
     return group * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
 }
 
-// Where a base pattern's vertices go when points are shared (GIRIH_OUTPUT_WELDED).
+// Where a base pattern's vertices go when points are shared (GIRIH_OUTPUT_WELDED): vertex n of the corners to
+// itself, of an edge's inner ones to base + (n ^ flip), where flip counts backwards, of the interior to
+// base + n. No array and no loop: a CPU device would walk all of their turns for every vertex.
 struct GirihWeld {
-    uint corners[3];     // output vertex of each corner
-    uint edges[3];       // output vertex of the first inner vertex of each edge, in canonical order
-    bool reversed[3];    // the pattern runs along the edge against the canonical order
-    uint segments[3];
-    uint interior;       // output vertex of the first interior vertex
+    uvec3 corners;
+    uvec3 edges;
+    uvec3 flips;
+    uint interior;
+    uvec3 ends;          // pattern vertices before the inner ones of edges 2 and 3 and the interior ones
 };
 
 // `closed`: by position alone, through the vertex and weld edge that stand for all at one place.
-GirihWeld girih_item_weld(GirihItem item, uint vertices[3], bool closed) {
+GirihWeld girih_item_weld(GirihItem item, uint vertices[3], uvec4 work, uvec4 shape, bool closed) {
     GirihWeld weld;
     uint vertex_delta = girih_instance(item.instance, GIRIH_INSTANCE_VERTEX_DELTA);
     uint weld_delta = girih_instance(item.instance, GIRIH_INSTANCE_WELD_DELTA);
-    uint border = 0u;
+    uint ends = shape[GIRIH_GROUP_EDGE_ENDS - GIRIH_GROUP_PATTERN_TRIANGLE];
+    uint interior = shape[GIRIH_GROUP_INTERIOR - GIRIH_GROUP_PATTERN_TRIANGLE];
+    weld.ends = uvec3(ends & 0xffffu, ends >> 16, interior);
+    uvec3 begins = uvec3(3u, weld.ends.xy);
+    uvec3 words;
+    GIRIH_READ_THREE(GIRIH_AT_TRIANGLE_WELD_EDGES, GIRIH_AT_TRIANGLE_WELD_EDGE_PAIRS, 3u * item.scene_triangle, words)
     for (uint n = 0u; n < 3u; ++n) {
-        uint word = GIRIH_AT_TRIANGLE_WELD_EDGES(3u * item.scene_triangle + item.edges[n]);
+        uint word = girih_pick(words, item.edges[n]);
         uint edge = word & GIRIH_WELD_MASK;
         uint vertex = vertices[n];
         if (closed) {
             edge = GIRIH_AT_EDGE_WELD_EDGES(GIRIH_AT_WELD_EDGE_EDGES(edge));
             vertex = GIRIH_AT_WELD_POINTS(vertex);
         }
+        uint first = girih_frame.corner_count + GIRIH_AT_WELD_OFFSETS(edge + weld_delta);
+        bool reversed = ((word & GIRIH_WELD_REVERSED) != 0u) != item.odd;
         weld.corners[n] = vertex + vertex_delta;
-        weld.edges[n] = girih_frame.corner_count + GIRIH_AT_WELD_OFFSETS(edge + weld_delta);
-        weld.reversed[n] = ((word & GIRIH_WELD_REVERSED) != 0u) != item.odd;
-        weld.segments[n] = girih_pattern(item.rank, GIRIH_PATTERN_SEGMENTS + n);
-        border += weld.segments[n];
+        weld.edges[n] = reversed ? first + weld.ends[n] : first - begins[n];
+        weld.flips[n] = reversed ? 0xffffffffu : 0u;
     }
-    uint interior = girih_group(item.group, GIRIH_GROUP_VERTICES) - border;
-    weld.interior = girih_group(item.group, GIRIH_GROUP_BASE_VERTEX) + item.number * interior;
+    uint count = work[0] - interior;
+    weld.interior = work[GIRIH_GROUP_BASE_VERTEX - GIRIH_GROUP_VERTICES] + item.number * count - interior;
     return weld;
 }
 
 // The output vertex of the base pattern's vertex n: corners, inner vertices of edges 1, 2, 3, interior.
 uint girih_weld_vertex(GirihWeld weld, uint n) {
-    if (n < 3u) {
-        return weld.corners[n];
-    }
-    n -= 3u;
-    for (uint edge = 0u; edge < 3u; ++edge) {
-        uint inner = weld.segments[edge] - 1u;
-        if (n < inner) {
-            return weld.edges[edge] + (weld.reversed[edge] ? inner - 1u - n : n);
-        }
-        n -= inner;
-    }
-    return weld.interior + n;
+    uint corner = girih_pick(weld.corners, n);
+    uint vertex = weld.interior + n;
+    vertex = n < weld.ends.z ? weld.edges.z + (n ^ weld.flips.z) : vertex;
+    vertex = n < weld.ends.y ? weld.edges.y + (n ^ weld.flips.y) : vertex;
+    vertex = n < weld.ends.x ? weld.edges.x + (n ^ weld.flips.x) : vertex;
+    return n < 3u ? corner : vertex;
 }
 
 #endif

@@ -24,9 +24,10 @@
                                       // triangle's edge (3 * triangle + 0..2) that owns it
 #define GIRIH_BIND_PATTERNS 12        // catalogue: GIRIH_PATTERN_WORDS a rank, then one word a range: rank
 #define GIRIH_BIND_PATTERN_VERTICES 13 // catalogue: u | v << 16
-#define GIRIH_BIND_PATTERN_INDICES 14 // catalogue: 2 or 4 bytes each
+#define GIRIH_BIND_PATTERN_INDICES 14 // catalogue: 2 or 4 bytes each, for draws; then, from an even word on,
+                                      // the patterns' triangles for output, two words each
 #define GIRIH_BIND_INSTANCES 15       // plan: GIRIH_INSTANCE_WORDS each, one more at the end
-#define GIRIH_BIND_BLOCKS 16          // plan: the instance of every 64th triangle, edge, weld edge
+#define GIRIH_BIND_BLOCKS 16          // plan: the instance of every 64th triangle, edge, weld edge, welded corner
 #define GIRIH_BIND_LEVELS 17          // plan: one level an instance's edge
 #define GIRIH_BIND_KEYS 18            // plan: one key an instance's triangle
 #define GIRIH_BIND_ITEMS 19           // plan: the sorted triangles, GIRIH_ITEM_WORDS each
@@ -80,6 +81,7 @@
 #define GIRIH_INSTANCE_FIRST_TRIANGLE 48
 #define GIRIH_INSTANCE_FIRST_EDGE 49
 #define GIRIH_INSTANCE_FIRST_WELD_EDGE 50
+#define GIRIH_INSTANCE_FIRST_CORNER 51   // welded output vertices at corners
 #define GIRIH_INSTANCE_TRIANGLE_DELTA 52 // plan triangle = scene triangle + delta
 #define GIRIH_INSTANCE_EDGE_DELTA 53     // plan edge = scene edge + delta
 #define GIRIH_INSTANCE_SEAM_DELTA 54     // seam = scene edge + delta
@@ -88,7 +90,7 @@
 
 #define GIRIH_INSTANCE_MIRRORED 1u       // the transform turns the winding round
 
-#define GIRIH_BLOCK 64u                  // triangles, edges or weld edges to one word of BLOCKS
+#define GIRIH_BLOCK 64u                  // triangles, edges, weld edges or corners to one word of BLOCKS
 
 // --- The catalogue on the device ------------------------------------------------------------------
 //
@@ -105,6 +107,12 @@
 #define GIRIH_PATTERN_RANGE 8          // number of the forward range; the mirrored one follows
 #define GIRIH_PATTERN_REPLICAS 9       // copies of the indices, one after another, for baked draws
 #define GIRIH_PATTERN_CHUNKS 10        // invocations that share one triangle's vertices
+#define GIRIH_PATTERN_FIRST_TRIANGLE 11 // pair of PATTERN_INDICES with the forward range's first triangle; a
+                                       // mirrored range follows
+
+// A triangle's corners a, b, c are bits 0, 21 and 42 of its 64, so that one load brings all of them.
+#define GIRIH_TRIANGLE_BITS 21u
+#define GIRIH_TRIANGLE_MASK 0x1fffffu
 
 #define GIRIH_CHUNK_VERTICES 256u      // vertices an invocation evaluates at most
 #define GIRIH_DRAW_WORDS 5u            // VkDrawIndexedIndirectCommand
@@ -118,7 +126,7 @@
 #define GIRIH_ITEM_TRIANGLE 0          // the plan's triangle
 #define GIRIH_ITEM_KEY 1
 
-#define GIRIH_GROUP_WORDS 12
+#define GIRIH_GROUP_WORDS 16
 #define GIRIH_GROUP_FIRST 0            // item
 #define GIRIH_GROUP_END 1              // item
 #define GIRIH_GROUP_FIRST_VERTEX 2     // output vertex; welded: output vertex in the interior of a triangle
@@ -132,6 +140,11 @@
 #define GIRIH_GROUP_PATTERN_VERTEX 9   // the pattern's first in PATTERN_VERTICES
 #define GIRIH_GROUP_BASE_VERTEX 10     // item n's first output vertex = base + n * vertices (welded: interior ones)
 #define GIRIH_GROUP_BASE_TRIANGLE 11   // item n's first output triangle = base + n * triangles
+#define GIRIH_GROUP_PATTERN_TRIANGLE 12 // pair of PATTERN_INDICES with the range's first triangle; this and the
+                                       // next three are read as one
+#define GIRIH_GROUP_TRIANGLES 13       // of the pattern
+#define GIRIH_GROUP_EDGE_ENDS 14       // pattern vertices before the inner ones of edge 2 | of edge 3 << 16
+#define GIRIH_GROUP_INTERIOR 15        // pattern vertices before the interior ones
 
 #define GIRIH_GROUP_MIRRORED 0x80000000u // uses its pattern's mirrored range
 
@@ -149,6 +162,8 @@
 #define GIRIH_STATUS_CHUNKS 11          // further chunks
 #define GIRIH_STATUS_WELD_VERTICES 12   // low, high: output vertices inside weld edges
 #define GIRIH_STATUS_EVALUATE 16        // VkDispatchIndirectCommand of evaluate and output
+#define GIRIH_STATUS_INTERIOR 20        // the same, from the first item on that adds vertices of its own
+#define GIRIH_STATUS_FIRST_INTERIOR 23  // that item
 
 #define GIRIH_STATUS_OVERFLOW 1u        // the frame was drawn at level 0 because it did not fit
 
@@ -208,6 +223,7 @@
     UINT triangle_blocks;    /* first word in BLOCKS of the triangles' instances */ \
     UINT edge_blocks; \
     UINT weld_blocks; \
+    UINT corner_blocks; \
     UINT uniform_clamped;    /* 1: uniform_level has fewer segments than were asked for */ \
     UINT attribute_stride;   /* words of an output vertex in OUT_ATTRIBUTES */ \
     UINT previous_vertices;  /* first vertex of the previous frame's VERTICES; 0: they are the current ones */ \
@@ -227,8 +243,7 @@
                              /* each of a digit of `shift` bits */ \
     UINT to_spare;           /* group: writes ITEMS_SPARE (and reads ITEMS), else the other way round */ \
     UINT window_first;       /* evaluate, output: first vertex, triangle or item of the bound window */ \
-    UINT window_count; \
-    UINT outputs;            /* output: the index lists this dispatch writes */
+    UINT window_count;
 
 // --- Variants -----------------------------------------------------------------------------------------
 //
@@ -243,6 +258,7 @@
 #define GIRIH_VARIANT_DYNAMIC 256u      // the host moves the vertices: positions are read through POINTS
 #define GIRIH_VARIANT_PREVIOUS 512u     // the previous frame's positions are written too
 #define GIRIH_VARIANT_MATERIALS 1024u   // not every triangle of the scene has material 0 and one side
+#define GIRIH_VARIANT_OUTPUT_SHIFT 11u  // output: the index lists that are written, GIRIH_OUTPUT_BIT_*
 
 // --- Modes and workgroups -----------------------------------------------------------------------------
 #define GIRIH_OUTPUT_INSTANCED 0u

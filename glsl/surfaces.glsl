@@ -67,6 +67,26 @@ vec3 girih_patch_normal(GirihPatch p, float u, float v, float w) {
     return normal;
 }
 
+// An edge of a patch, with its bits: the third corner's terms are zeros there.
+struct GirihCurve {
+    vec3 b30, b03, b21, b12;
+    vec3 n20, n02, n11;
+};
+
+vec3 girih_curve_position(GirihCurve c, float u, float v) {
+    precise float uu = u * u;
+    precise float vv = v * v;
+    precise vec3 ends = c.b30 * (uu * u) + c.b03 * (vv * v);
+    precise vec3 edge = c.b21 * (uu * v) + c.b12 * (vv * u);
+    precise vec3 point = ends + edge * 3.0;
+    return girih_no_negative_zero(point);
+}
+
+vec3 girih_curve_normal(GirihCurve c, float u, float v) {
+    precise vec3 normal = (c.n20 * (u * u) + c.n02 * (v * v)) + c.n11 * (u * v);
+    return normal;
+}
+
 #else
 
 struct GirihPatch {
@@ -74,6 +94,20 @@ struct GirihPatch {
     vec3 n200, n020, n002;
     GIRIH_PATCH_SOURCE
 };
+
+struct GirihCurve {
+    vec3 b30, b03, n20, n02;
+};
+
+vec3 girih_curve_position(GirihCurve c, float u, float v) {
+    precise vec3 point = c.b30 * u + c.b03 * v;
+    return girih_no_negative_zero(point);
+}
+
+vec3 girih_curve_normal(GirihCurve c, float u, float v) {
+    precise vec3 normal = c.n20 * u + c.n02 * v;
+    return normal;
+}
 
 vec3 girih_patch_position(GirihPatch p, float u, float v, float w) {
     precise vec3 point = (p.b300 * u + p.b030 * v) + p.b003 * w;
@@ -100,6 +134,10 @@ float girih_patch_attribute(float a, float b, float c, float u, float v, float w
 // The normal of a point, of unit length, without -0.
 vec3 girih_patch_unit_normal(GirihPatch p, float u, float v, float w) {
     return girih_no_negative_zero(girih_normalize(girih_patch_normal(p, u, v, w)));
+}
+
+vec3 girih_curve_unit_normal(GirihCurve c, float u, float v) {
+    return girih_no_negative_zero(girih_normalize(girih_curve_normal(c, u, v)));
 }
 
 #endif

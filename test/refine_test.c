@@ -453,6 +453,7 @@ static void instances_are_found(void **state) {
     check_blocks(&s, frame->triangle_count, GIRIH_INSTANCE_FIRST_TRIANGLE, frame->triangle_blocks);
     check_blocks(&s, frame->edge_count, GIRIH_INSTANCE_FIRST_EDGE, frame->edge_blocks);
     check_blocks(&s, frame->weld_edge_count, GIRIH_INSTANCE_FIRST_WELD_EDGE, frame->weld_blocks);
+    check_blocks(&s, frame->corner_count, GIRIH_INSTANCE_FIRST_CORNER, frame->corner_blocks);
     const uint32_t *records = s.arrays.words[GIRIH_BIND_INSTANCES];
     uint32_t corner = 0;
     for (uint32_t n = 0; n < 200; ++n) {

@@ -115,9 +115,10 @@ static void all_triples_are_placed_as_asked(void **state) {
             const uint32_t *patterns = s.arrays.words[GIRIH_BIND_PATTERNS];
             assert_int_equal(patterns[s.arrays.frame.pattern_count * GIRIH_PATTERN_WORDS + range],
                              i * (i + 1) * (i + 2) / 6 + j * (j + 1) / 2 + k);
-            mirrored_ranges += range != patterns[(i * (i + 1) * (i + 2) / 6 + j * (j + 1) / 2 + k) *
-                                                     GIRIH_PATTERN_WORDS +
-                                                 GIRIH_PATTERN_RANGE];
+            mirrored_ranges +=
+                range !=
+                patterns[(i * (i + 1) * (i + 2) / 6 + j * (j + 1) / 2 + k) * GIRIH_PATTERN_WORDS +
+                         GIRIH_PATTERN_RANGE];
         }
         stages_end(&s);
     }
@@ -146,19 +147,18 @@ static void ranges_and_replicas(void **state) {
             const uint32_t *record = words + (size_t)rank * GIRIH_PATTERN_WORDS;
             const uint32_t count = pattern->triangle_count,
                            replicas = record[GIRIH_PATTERN_REPLICAS];
-            const int two = pattern->levels[0] > pattern->levels[1] &&
-                            pattern->levels[1] > pattern->levels[2];
+            const int two =
+                pattern->levels[0] > pattern->levels[1] && pattern->levels[1] > pattern->levels[2];
             assert_true(replicas == 1 || replicas * count <= GIRIH_DRAW_TRIANGLES);
             assert_true(replicas * count > GIRIH_DRAW_TRIANGLES / 2);
             assert_true(replicas == 1 || replicas * pattern->vertex_count <= 65536);
             assert_int_equal(record[GIRIH_PATTERN_RANGE], range);
             assert_int_equal(record[GIRIH_PATTERN_CHUNKS], (pattern->vertex_count + 255) / 256);
             for (int mirrored = 0; mirrored <= two; ++mirrored, ++range) {
-                assert_int_equal(words[catalogues[n]->pattern_count * GIRIH_PATTERN_WORDS +
-                                       range],
+                assert_int_equal(words[catalogues[n]->pattern_count * GIRIH_PATTERN_WORDS + range],
                                  rank);
-                const uint32_t first = record[mirrored ? GIRIH_PATTERN_FIRST_MIRRORED
-                                                       : GIRIH_PATTERN_FIRST_INDEX];
+                const uint32_t first =
+                    record[mirrored ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX];
                 for (uint32_t m = 0; m < 3 * count * replicas; ++m) {
                     const uint32_t corner = m % 3;
                     const uint32_t source =
@@ -168,6 +168,15 @@ static void ranges_and_replicas(void **state) {
                     if (index != girih_catalogue_index(catalogues[n], pattern, source) +
                                      m / (3 * count) * pattern->vertex_count) {
                         fail_msg("rank %u, index %u", rank, m);
+                    }
+                    // The first replica again, a triangle to two words.
+                    const uint32_t *triangle =
+                        indices + 2 * (record[GIRIH_PATTERN_FIRST_TRIANGLE] +
+                                       (size_t)(mirrored ? count : 0) + m / 3 % count);
+                    const uint64_t packed = (uint64_t)triangle[1] << 32 | triangle[0];
+                    if (m < 3 * count &&
+                        (packed >> corner * GIRIH_TRIANGLE_BITS & GIRIH_TRIANGLE_MASK) != index) {
+                        fail_msg("rank %u, packed triangle %u", rank, m / 3);
                     }
                 }
             }
@@ -307,8 +316,9 @@ static int is_seen(const bezier *z, const girih_frame *frame, int mirrored, int 
             sample(z, (double)i / steps, (double)j / steps, &position, &normal);
             int inside = 1;
             for (int n = 0; n < 6 && frame->cull_frustum; ++n) {
-                inside = inside && dot(to_point(frame->planes[n]), position) +
-                                           (double)frame->planes[n][3] >= 0.0;
+                inside =
+                    inside &&
+                    dot(to_point(frame->planes[n]), position) + (double)frame->planes[n][3] >= 0.0;
             }
             if (frame->cull_frustum && frame->cylindrical) {
                 inside = inside && is_within_slopes(frame, position);
@@ -402,8 +412,8 @@ static void check_culling(const girih_mesh *mesh, uint64_t seed, uint32_t camera
         const int mirrored =
             s.arrays.words[GIRIH_BIND_INSTANCES][GIRIH_INSTANCE_FLAGS] == GIRIH_INSTANCE_MIRRORED;
         for (uint32_t triangle = 0; triangle < mesh->triangle_count; ++triangle) {
-            const int two_sided = (s.arrays.words[GIRIH_BIND_TRIANGLE_MATERIALS][triangle] &
-                                   GIRIH_TWO_SIDED) != 0;
+            const int two_sided =
+                (s.arrays.words[GIRIH_BIND_TRIANGLE_MATERIALS][triangle] & GIRIH_TWO_SIDED) != 0;
             const bezier z = make_bezier(mesh, triangle, instance.transform, flat);
             const int culled = s.arrays.words[GIRIH_BIND_KEYS][triangle] == GIRIH_KEY_CULLED;
             const int seen = is_seen(&z, &frame, mirrored, two_sided);

@@ -39,15 +39,21 @@ static span group_items(const girih_arrays *arrays, uint32_t group, bool level0)
     return all.end == 0 ? (span){0, 0} : all;
 }
 
+// The numbers of a pattern's vertices before the inner ones of edges 2 and 3 and the interior ones.
+static void find_edge_ends(const girih_arrays *arrays, uint32_t rank, uint32_t ends[3]) {
+    uint32_t end = 3;
+    for (uint32_t n = 0; n < 3; ++n) {
+        end += girih_pattern(arrays, rank, GIRIH_PATTERN_SEGMENTS + n) - 1;
+        ends[n] = end;
+    }
+}
+
 // Vertices of a pattern that an item of it adds to the output.
 static uint32_t item_vertices(const girih_arrays *arrays, uint32_t rank) {
-    uint32_t vertices = girih_pattern(arrays, rank, GIRIH_PATTERN_VERTICES);
-    if (arrays->frame.output_mode == GIRIH_OUTPUT_WELDED) {
-        for (uint32_t n = 0; n < 3; ++n) {
-            vertices -= girih_pattern(arrays, rank, GIRIH_PATTERN_SEGMENTS + n);
-        }
-    }
-    return vertices;
+    const uint32_t vertices = girih_pattern(arrays, rank, GIRIH_PATTERN_VERTICES);
+    uint32_t ends[3];
+    find_edge_ends(arrays, rank, ends);
+    return arrays->frame.output_mode == GIRIH_OUTPUT_WELDED ? vertices - ends[2] : vertices;
 }
 
 // What evaluate and output need of the group `group` whose items are drawn as those of group
@@ -63,9 +69,16 @@ static void write_record(girih_arrays *arrays, uint32_t group, uint32_t drawn,
     words[GIRIH_GROUP_PATTERN_VERTEX] = girih_pattern(arrays, rank, GIRIH_PATTERN_FIRST_VERTEX);
     words[GIRIH_GROUP_BASE_VERTEX] = girih_group_word(arrays, drawn, GIRIH_GROUP_FIRST_VERTEX) -
                                      first_item * item_vertices(arrays, rank);
+    const uint32_t triangles = girih_pattern(arrays, rank, GIRIH_PATTERN_TRIANGLES);
     words[GIRIH_GROUP_BASE_TRIANGLE] =
-        girih_group_word(arrays, drawn, GIRIH_GROUP_FIRST_TRIANGLE) -
-        first_item * girih_pattern(arrays, rank, GIRIH_PATTERN_TRIANGLES);
+        girih_group_word(arrays, drawn, GIRIH_GROUP_FIRST_TRIANGLE) - first_item * triangles;
+    uint32_t ends[3];
+    find_edge_ends(arrays, rank, ends);
+    words[GIRIH_GROUP_PATTERN_TRIANGLE] =
+        girih_pattern(arrays, rank, GIRIH_PATTERN_FIRST_TRIANGLE) + (mirrored ? triangles : 0);
+    words[GIRIH_GROUP_TRIANGLES] = triangles;
+    words[GIRIH_GROUP_EDGE_ENDS] = ends[0] | ends[1] << 16;
+    words[GIRIH_GROUP_INTERIOR] = ends[2];
 }
 
 // Adds what one group adds.
@@ -150,6 +163,27 @@ static void merge_groups(girih_arrays *arrays) {
     }
 }
 
+static void write_dispatch(uint32_t arguments[3], uint32_t invocations) {
+    const uint32_t workgroups = (invocations + GIRIH_WORKGROUP - 1) / GIRIH_WORKGROUP;
+    const uint32_t rows = (workgroups + 65534) / 65535;
+    arguments[0] = rows > 1 ? 65535 : workgroups;
+    arguments[1] = rows;
+    arguments[2] = 1;
+}
+
+// The first item that adds vertices to the output, as the groups are drawn.
+static uint32_t find_first_interior(const girih_arrays *arrays) {
+    for (uint32_t group = 0; group < arrays->frame.group_count; ++group) {
+        const uint32_t first = girih_group_word(arrays, group, GIRIH_GROUP_FIRST);
+        const uint32_t rank = girih_range_rank(arrays, group % arrays->frame.range_count);
+        if (first != girih_group_word(arrays, group, GIRIH_GROUP_END) &&
+            item_vertices(arrays, rank) != 0) {
+            return first;
+        }
+    }
+    return arrays->words[GIRIH_BIND_STATUS][GIRIH_STATUS_ITEMS];
+}
+
 static void write_status(girih_arrays *arrays, const sums *total, uint64_t vertices) {
     const girih_frame_block *frame = &arrays->frame;
     uint32_t *status = arrays->words[GIRIH_BIND_STATUS];
@@ -177,11 +211,10 @@ static void write_status(girih_arrays *arrays, const sums *total, uint64_t verti
     if (frame->output_mode != GIRIH_OUTPUT_INSTANCED) {
         invocations += total->chunks;
     }
-    const uint32_t workgroups = (invocations + GIRIH_WORKGROUP - 1) / GIRIH_WORKGROUP;
-    const uint32_t rows = (workgroups + 65534) / 65535;
-    status[GIRIH_STATUS_EVALUATE] = rows > 1 ? 65535 : workgroups;
-    status[GIRIH_STATUS_EVALUATE + 1] = rows;
-    status[GIRIH_STATUS_EVALUATE + 2] = 1;
+    const uint32_t first_interior = find_first_interior(arrays);
+    write_dispatch(status + GIRIH_STATUS_EVALUATE, invocations);
+    write_dispatch(status + GIRIH_STATUS_INTERIOR, invocations - first_interior);
+    status[GIRIH_STATUS_FIRST_INTERIOR] = first_interior;
 }
 
 // The arguments of the baked draw `slot`. A group of C triangles whose pattern's indices are

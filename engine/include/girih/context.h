@@ -105,7 +105,7 @@ typedef struct girih_context_desc {
                                        // outlive the context and stay the host's
 } girih_context_desc;
 
-#define GIRIH_PUSH_CONSTANT_BYTES 28u
+#define GIRIH_PUSH_CONSTANT_BYTES 24u
 
 // Pipelines for one device and one catalogue. Any number of threads may use it at once: all that
 // ever changes are pipelines made, without a lock, when a plan first needs them.
