@@ -14,6 +14,16 @@ VkShaderStageFlags bench_target_stages(const bench_target *target) {
     return stages;
 }
 
+static const VkVertexInputBindingDescription corner_binding = {0, 24, VK_VERTEX_INPUT_RATE_VERTEX};
+static const VkVertexInputAttributeDescription corner_attributes[2] = {
+    {0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0}, {1, 0, VK_FORMAT_R32G32B32_SFLOAT, 12}};
+const VkPipelineVertexInputStateCreateInfo bench_corner_input = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+    .vertexBindingDescriptionCount = 1,
+    .pVertexBindingDescriptions = &corner_binding,
+    .vertexAttributeDescriptionCount = 2,
+    .pVertexAttributeDescriptions = corner_attributes};
+
 #define MOST_STAGES 5
 
 typedef struct stages {

@@ -54,6 +54,9 @@ typedef struct bench_pipeline_desc {
     VkPipelineLayout layout;
 } bench_pipeline_desc;
 
+// The vertex input of a job's vertex buffer: position and normal at locations 0 and 1.
+extern const VkPipelineVertexInputStateCreateInfo bench_corner_input;
+
 // One pipeline for each raster mode, with the target's fragment shader, and a dynamic viewport and
 // scissor. BENCH_CAPTURE's is VK_NULL_HANDLE where the device has no transform feedback.
 girih_result bench_pipelines_create(const bench_target *target, const bench_pipeline_desc *desc,

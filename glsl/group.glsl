@@ -73,6 +73,19 @@ void write_bounds(uint group, uint first, uint end) {
 // What each lane has summed.
 shared uint lane_sums[girih_lanes];
 
+// Leaves in lane_sums the sum of each lane's own and those of all lanes before it. All lanes of a workgroup together.
+void scan_counts(uint own) {
+    uint lane = gl_LocalInvocationID.x;
+    lane_sums[lane] = own;
+    barrier();
+    for (uint step = 1u; step < girih_lanes; step *= 2u) {
+        uint before = lane >= step ? lane_sums[lane - step] : 0u;
+        barrier();
+        lane_sums[lane] += before;
+        barrier();
+    }
+}
+
 #ifdef GIRIH_SERIAL
 
 void count_block(uint block) {
@@ -192,14 +205,7 @@ void sum_blocks_together(uint digit) {
     for (uint first = 0u; first < girih_frame.sort_block_count; first += girih_lanes) {
         uint block = first + lane;
         uint count = block < girih_frame.sort_block_count ? GIRIH_AT_COUNTERS(counter_word(block, digit)) : 0u;
-        lane_sums[lane] = count;
-        barrier();
-        for (uint step = 1u; step < girih_lanes; step *= 2u) {
-            uint before = lane >= step ? lane_sums[lane - step] : 0u;
-            barrier();
-            lane_sums[lane] += before;
-            barrier();
-        }
+        scan_counts(count);
         if (block < girih_frame.sort_block_count) {
             GIRIH_AT_COUNTERS(counter_word(block, digit)) = total + lane_sums[lane] - count;
         }
@@ -222,14 +228,7 @@ void sum_digits() {
     for (uint digit = begin; digit < end; ++digit) {
         own += GIRIH_AT_COUNTERS(counter_word(girih_frame.sort_block_count, digit));
     }
-    lane_sums[lane] = own;
-    barrier();
-    for (uint step = 1u; step < girih_lanes; step *= 2u) {
-        uint before = lane >= step ? lane_sums[lane - step] : 0u;
-        barrier();
-        lane_sums[lane] += before;
-        barrier();
-    }
+    scan_counts(own);
     uint sum = lane_sums[lane] - own;
     for (uint digit = begin; digit < end; ++digit) {
         uint word = counter_word(girih_frame.sort_block_count, digit);

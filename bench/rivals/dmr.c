@@ -345,21 +345,13 @@ static girih_result create_layouts(dmr *s, girih_error *error) {
 }
 
 static girih_result create_select(dmr *s, bool symmetric, girih_error *error) {
-    static const VkVertexInputBindingDescription binding = {0, 24, 0};
-    static const VkVertexInputAttributeDescription position = {0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
-    static const VkPipelineVertexInputStateCreateInfo input = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-        .vertexBindingDescriptionCount = 1,
-        .pVertexBindingDescriptions = &binding,
-        .vertexAttributeDescriptionCount = 1,
-        .pVertexAttributeDescriptions = &position};
     const bool pn = s->job->surface == GIRIH_SURFACE_PN;
     const bench_shader shaders[2][2] = {
         {bench_shader_dmr_select_flat, bench_shader_dmr_select_pn},
         {bench_shader_dmr_select_symmetric_flat, bench_shader_dmr_select_symmetric_pn}};
-    const bench_pipeline_desc desc = {.vertex = bench_shader_dmr_corner,
+    const bench_pipeline_desc desc = {.vertex = bench_shader_corners,
                                       .geometry = shaders[symmetric][pn],
-                                      .input = &input,
+                                      .input = &bench_corner_input,
                                       .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
                                       .layout = s->layouts[0].layout};
     return bench_feedback_pipeline_create(s->job->target, &desc, &s->select, error);

@@ -194,19 +194,10 @@ static girih_result create_pipelines(geometry *s, int variant, girih_error *erro
     s->parts[BENCH_CAPTURE] = captured.parts;
     uint32_t *words = with_vertices(*pair[0], drawn.vertices);
     uint32_t *capture = with_vertices(*pair[1], captured.vertices);
-    static const VkVertexInputBindingDescription binding = {0, 24, VK_VERTEX_INPUT_RATE_VERTEX};
-    static const VkVertexInputAttributeDescription attributes[2] = {
-        {0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0}, {1, 0, VK_FORMAT_R32G32B32_SFLOAT, 12}};
-    static const VkPipelineVertexInputStateCreateInfo input = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-        .vertexBindingDescriptionCount = 1,
-        .pVertexBindingDescriptions = &binding,
-        .vertexAttributeDescriptionCount = 2,
-        .pVertexAttributeDescriptions = attributes};
     const bench_pipeline_desc desc = {.vertex = bench_shader_corners,
                                       .geometry = {words, pair[0]->bytes},
                                       .capture = {capture, pair[1]->bytes},
-                                      .input = &input,
+                                      .input = &bench_corner_input,
                                       .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
                                       .layout = s->layout.layout};
     const girih_result result =

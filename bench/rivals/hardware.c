@@ -90,22 +90,13 @@ static girih_result create_pipelines(hardware *s, int variant, girih_error *erro
          {bench_shader_hardware_equal_pn, bench_shader_hardware_equal_pn_capture}},
         {{bench_shader_hardware_fractional_flat, bench_shader_hardware_fractional_flat_capture},
          {bench_shader_hardware_fractional_pn, bench_shader_hardware_fractional_pn_capture}}};
-    static const VkVertexInputBindingDescription binding = {0, 24, VK_VERTEX_INPUT_RATE_VERTEX};
-    static const VkVertexInputAttributeDescription attributes[2] = {
-        {0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0}, {1, 0, VK_FORMAT_R32G32B32_SFLOAT, 12}};
-    static const VkPipelineVertexInputStateCreateInfo input = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-        .vertexBindingDescriptionCount = 1,
-        .pVertexBindingDescriptions = &binding,
-        .vertexAttributeDescriptionCount = 2,
-        .pVertexAttributeDescriptions = attributes};
     const bool pn = s->job->surface == GIRIH_SURFACE_PN;
     const bench_pipeline_desc desc = {.vertex = bench_shader_corners,
                                       .control = pn ? bench_shader_hardware_control_pn
                                                     : bench_shader_hardware_control_flat,
                                       .evaluation = evaluations[variant][pn].shader,
                                       .capture = evaluations[variant][pn].capture,
-                                      .input = &input,
+                                      .input = &bench_corner_input,
                                       .topology = VK_PRIMITIVE_TOPOLOGY_PATCH_LIST,
                                       .patch_points = 3,
                                       .layout = s->layout.layout};

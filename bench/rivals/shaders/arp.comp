@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "rival.glsl"
-#include "culling.glsl"
+#include "hidden.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -23,28 +23,6 @@ vec3 vertex_vector(uint word) {
     return vec3(vertices[word], vertices[word + 1u], vertices[word + 2u]);
 }
 
-// By girih's own bounds, so that the same triangles are hidden.
-bool is_hidden(vec3 p[3], vec3 n[3]) {
-    vec3 points[10];
-    points[0] = p[0];
-    points[1] = p[1];
-    points[2] = p[2];
-    int count = 3;
-#if GIRIH_CURVED == 1
-    GirihPatch patch_ = bench_patch(p, n);
-    points[3] = patch_.b210;
-    points[4] = patch_.b120;
-    points[5] = patch_.b021;
-    points[6] = patch_.b012;
-    points[7] = patch_.b102;
-    points[8] = patch_.b201;
-    points[9] = patch_.b111;
-    count = 10;
-#endif
-    const GirihTransform world = GirihTransform(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
-    return girih_culled(points, count, world, false, false);
-}
-
 void main() {
     uint triangle = gl_GlobalInvocationID.x;
     if (triangle >= uint(indices.length()) / 3u) {
@@ -57,11 +35,7 @@ void main() {
         p[corner] = vertex_vector(word);
         n[corner] = vertex_vector(word + 3u);
     }
-    bool hidden = false;
-    // No turn or one: a CPU device would run a branch's body in any case.
-    for (uint turn = 0u; turn < min(girih_frame.cull, 1u); ++turn) {
-        hidden = is_hidden(p, n);
-    }
+    bool hidden = bench_hidden(p, n);
     uint number = bench_edge_level(p[0], p[1]);
     number = number * girih_frame.level_count + bench_edge_level(p[1], p[2]);
     number = number * girih_frame.level_count + bench_edge_level(p[2], p[0]);

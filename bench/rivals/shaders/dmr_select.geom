@@ -10,7 +10,8 @@
 layout(triangles) in;
 layout(points, max_vertices = 1) out;
 
-layout(location = 0) in vec3 corner[];
+layout(location = 0) in vec3 corner_position[];
+layout(location = 1) in vec3 corner_normal[];
 layout(location = 0, xfb_buffer = 0, xfb_stride = 12, xfb_offset = 0) out uvec3 selected; // p, s_r, s_p
 
 layout(std430, set = 1, binding = 0) readonly buffer PreviousSelection {
@@ -48,8 +49,9 @@ uint previous_level(uint triangle, uint edge) {
 void main() {
     uint triangle = uint(gl_PrimitiveIDIn);
     uint available = previous[DMR_SELECTION_WORDS * triangle + 1u];
-    vec3 p[3] = vec3[3](corner[0], corner[1], corner[2]);
-    bool hidden = bench_hidden(p);
+    vec3 p[3] = vec3[3](corner_position[0], corner_position[1], corner_position[2]);
+    vec3 n[3] = vec3[3](corner_normal[0], corner_normal[1], corner_normal[2]);
+    bool hidden = bench_hidden(p, n);
     uvec3 levels = uvec3(bench_edge_level(p[0], p[1]), bench_edge_level(p[1], p[2]), bench_edge_level(p[2], p[0]));
 #ifdef DMR_SYMMETRIC
     // No edge grows by more than one level beyond what it had in any triangle at it, so all of them limit it alike.
