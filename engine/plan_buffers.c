@@ -62,7 +62,12 @@ static girih_result lay_out_work(girih_plan *plan, girih_error *error) {
     const girih_context *context = plan->context;
     girih_arrays *arrays = &plan->arrays;
     VkDeviceSize size = 0;
-    girih_layout_arrays(arrays, PLAN_FIRST, PLAN_END, plan->offset, &size);
+    girih_layout_arrays(arrays, PLAN_FIRST, GIRIH_BIND_WELD_OFFSETS, plan->offset, &size);
+    // The offsets are written when the sort is done, so they lie in its spare items where they fit.
+    plan->offset[GIRIH_BIND_WELD_OFFSETS] = plan->offset[GIRIH_BIND_ITEMS_SPARE];
+    if (arrays->count[GIRIH_BIND_WELD_OFFSETS] > arrays->count[GIRIH_BIND_ITEMS_SPARE]) {
+        girih_layout_arrays(arrays, GIRIH_BIND_WELD_OFFSETS, PLAN_END, plan->offset, &size);
+    }
     plan->frame_offset = (size + 255) / 256 * 256;
     const girih_result result = girih_check_ranges(context, arrays, PLAN_FIRST, PLAN_END,
                                                    plan->frame_offset, "plan", error);

@@ -198,7 +198,7 @@ typedef struct girih_plan girih_plan;
 // levels change every frame. `output_triangles` is about how many a frame will have; 0: unknown. Of
 // the description, scene, instances, surface, program and outputs count. A mode that the outputs or
 // the device's features ask for is taken first. Then, on CPU devices, as measured on lavapipe:
-// instanced where patterns are large (64 triangles and more on average) and the surface is the
+// instanced where patterns are large (24 triangles and more on average) and the surface is the
 // library's own, else baked. On all other devices instanced, which was measured on none of them: a
 // host that draws one refinement several times may do better with GIRIH_MODE_BAKED. Never fails:
 // where something that must be set is not, GIRIH_MODE_BAKED. Thread-safe.
