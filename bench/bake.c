@@ -16,6 +16,7 @@
 #include "girih/girih.h"
 #include "icosphere.h"
 #include "memory.h"
+#include "methods.h"
 #include "rivals/bfr.h"
 #include "statistics.h"
 
@@ -234,6 +235,61 @@ static girih_result make_bfr(case_state *s, girih_error *error) {
     return result;
 }
 
+// --- Pictures -----------------------------------------------------------------------------------
+
+// What a method has written, drawn as it is: the static mesh at level 0.
+static girih_result draw_output(const bench_run *run, bench_target *target, const char *name,
+                                const char *method_name, const bench_bfr_output *output,
+                                girih_error *error) {
+    bench_mesh mesh = {.name = method_name,
+                       .vertex_count = output->vertex_count,
+                       .triangle_count = output->triangle_count};
+    girih_result result =
+        bench_mesh_allocate(&mesh, output->vertex_count, output->triangle_count, error);
+    if (result != GIRIH_OK) {
+        return result;
+    }
+    memcpy(mesh.positions, output->positions, 12 * (size_t)output->vertex_count);
+    memcpy(mesh.normals, output->normals, 12 * (size_t)output->vertex_count);
+    memcpy(mesh.indices, output->indices, 12 * (size_t)output->triangle_count);
+    static const uint32_t max_level = 0;
+    const bench_job_desc desc = {.name = name,
+                                 .mesh = &mesh,
+                                 .catalogue = girih_catalogue_dyadic(),
+                                 .surface = GIRIH_SURFACE_FLAT,
+                                 .frame = bench_random_frame,
+                                 .user = &max_level};
+    bench_case_job job = {0};
+    result = bench_job_create(target, run->device, &desc, &job, error);
+    if (result == GIRIH_OK) {
+        bench_method method = bench_static;
+        method.name = method_name;
+        result = bench_picture(run, &job, &method, error);
+    }
+    bench_job_destroy(&job);
+    bench_mesh_free(&mesh);
+    return result;
+}
+
+static girih_result draw_outputs(const bench_run *run, bench_target *target, const case_state *s,
+                                 const char *name, girih_error *error) {
+    // girih's, by its twin.
+    const bench_bfr_output girih = {
+        .positions = (const float *)(const void *)s->arrays.words[GIRIH_BIND_OUT_POSITIONS],
+        .normals = (const float *)(const void *)s->arrays.words[GIRIH_BIND_OUT_ATTRIBUTES],
+        .indices = s->arrays.words[GIRIH_BIND_OUT_INDICES],
+        .vertex_count = (uint32_t)s->statistics.output_vertices,
+        .triangle_count = (uint32_t)s->statistics.output_triangles};
+    const bench_bfr_output outputs[] = {girih, bench_bfr_result(s->bfr[BENCH_BFR_LOOP]),
+                                        bench_bfr_result(s->bfr[BENCH_BFR_BILINEAR])};
+    static const char *const names[] = {"girih", "bfr-loop", "bfr-bilinear"};
+    girih_result result = GIRIH_OK;
+    for (size_t n = 0; n < sizeof outputs / sizeof *outputs && result == GIRIH_OK; ++n) {
+        result = draw_output(run, target, name, names[n], &outputs[n], error);
+    }
+    return result;
+}
+
 // --- Measuring ----------------------------------------------------------------------------------
 
 typedef struct method {
@@ -308,8 +364,8 @@ static girih_result measure(case_state *s, const method *m, const method *base, 
     return result;
 }
 
-static girih_result run_case(case_state *s, const struct sphere_case *c, uint32_t pairs,
-                             json_t *list, girih_error *error) {
+static girih_result run_case(const bench_run *run, bench_target *target, case_state *s,
+                             const struct sphere_case *c, girih_error *error) {
     s->frame = (girih_frame){.rule = GIRIH_LEVEL_RANDOM_LEVEL, .segments = c->max_level, .seed = 1};
     girih_result result = make_mesh(s, c->halvings, error);
     if (result == GIRIH_OK) {
@@ -335,13 +391,16 @@ static girih_result run_case(case_state *s, const struct sphere_case *c, uint32_
                               {"bfr-bilinear-2-threads", run_bfr_bilinear_2, bilinear}};
     json_t *object = json_object();
     for (size_t n = 0; n < sizeof methods / sizeof *methods && result == GIRIH_OK; ++n) {
-        result = measure(s, &methods[n], &methods[0], pairs, object, error);
+        result = measure(s, &methods[n], &methods[0], run->pairs, object, error);
+    }
+    if (result == GIRIH_OK && run->pictures) {
+        result = draw_outputs(run, target, s, c->name, error);
     }
     if (result != GIRIH_OK) {
         json_decref(object);
         return result;
     }
-    json_array_append_new(list,
+    json_array_append_new(run->cases,
                           json_pack("{s:s,s:I,s:I,s:o}", "name", c->name, "input_triangles",
                                     (json_int_t)s->statistics.input_triangles, "output_triangles",
                                     (json_int_t)triangles, "methods", object));
@@ -349,14 +408,14 @@ static girih_result run_case(case_state *s, const struct sphere_case *c, uint32_
 }
 
 girih_result bench_bake(const bench_run *run, girih_error *error) {
-    girih_device *device = run->device;
-    const uint32_t pairs = run->pairs;
-    json_t *list = run->cases;
-    girih_result result = GIRIH_OK;
+    bench_target *target = NULL;
+    girih_result result =
+        run->pictures ? bench_target_create(run->device, &target, error) : GIRIH_OK;
     for (size_t n = 0; n < sizeof cases / sizeof *cases && result == GIRIH_OK; ++n) {
-        case_state state = {.device = device};
-        result = run_case(&state, &cases[n], pairs, list, error);
+        case_state state = {.device = run->device};
+        result = run_case(run, target, &state, &cases[n], error);
         end_case(&state);
     }
+    bench_target_destroy(target);
     return result;
 }

@@ -98,6 +98,10 @@ girih_result bench_measure_pair(const bench_run *run, bench_case_job *job,
                                 const bench_method *const pair[2], json_t *object,
                                 girih_error *error);
 
+// Only the picture of frame 1 of a method, into run->pictures.
+girih_result bench_picture(const bench_run *run, bench_case_job *job, const bench_method *method,
+                           girih_error *error);
+
 // Appends a case's object to the run's.
 girih_result bench_add_case(const bench_run *run, const bench_case_job *job, json_t *figures,
                             girih_error *error);

@@ -163,6 +163,17 @@ static girih_result write_picture(const bench_run *run, bench_case_job *job,
     return result;
 }
 
+girih_result bench_picture(const bench_run *run, bench_case_job *job, const bench_method *method,
+                           girih_error *error) {
+    void *state = NULL;
+    girih_result result = method->create(&job->job, method->variant, &state, error);
+    if (result == GIRIH_OK) {
+        result = write_picture(run, job, method, state, error);
+        method->destroy(state);
+    }
+    return result;
+}
+
 // A method may put hidden triangles out as one point each: bench_nothing.
 static void drop_points(bench_triangles *triangles) {
     uint32_t kept = 0;
