@@ -105,10 +105,11 @@ static void record_begin(girih_plan *plan, VkCommandBuffer commands) {
     vk->CmdCopyBuffer(commands, staging->buffer, work->buffer, 2, copies);
     vk->CmdUpdateBuffer(commands, work->buffer, work->offset + plan->frame_offset,
                         sizeof arrays->frame, &arrays->frame);
-    vk->CmdFillBuffer(commands, work->buffer, work->offset + plan->offset[GIRIH_BIND_GROUPS],
-                      arrays->count[GIRIH_BIND_GROUPS] * 4, 0);
-    vk->CmdFillBuffer(commands, work->buffer, work->offset + plan->offset[GIRIH_BIND_STATUS],
-                      arrays->count[GIRIH_BIND_STATUS] * 4, 0);
+    // Groups, status and draws lie side by side.
+    const VkDeviceSize cleared = plan->offset[GIRIH_BIND_GROUPS];
+    vk->CmdFillBuffer(
+        commands, work->buffer, work->offset + cleared,
+        plan->offset[GIRIH_BIND_DRAWS] + arrays->count[GIRIH_BIND_DRAWS] * 4 - cleared, 0);
     if (plan->outputs & GIRIH_OUTPUT_PADDED) {
         // All indices 0, of a vertex that is there even if nothing is put out.
         for (uint32_t n = GIRIH_PLAN_INDICES; n <= GIRIH_PLAN_CLOSED_INDICES; ++n) {

@@ -211,6 +211,19 @@ GIRIH_PAIR_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, gi
         AT(girih_even ? girih_word + 2u : girih_word) = girih_even ? (V).z : (V).x; \
     }
 
+// number / divisor; `number` becomes the remainder. A CPU device divides lane by lane, and would do so for
+// the lanes that have nothing to divide too; this loop it leaves at once.
+uint girih_quotient(inout uint number, uint divisor) {
+    uint quotient = 0u;
+    for (int bit = findMSB(number) - findMSB(divisor); bit >= 0; --bit) {
+        if (number >> bit >= divisor) {
+            number -= divisor << bit;
+            quotient |= 1u << bit;
+        }
+    }
+    return quotient;
+}
+
 // Word `field` of a rank's pattern.
 uint girih_pattern(uint rank, uint field) {
     return GIRIH_AT_PATTERNS(rank * GIRIH_PATTERN_WORDS + field);

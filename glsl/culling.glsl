@@ -76,11 +76,8 @@ bool girih_culled(vec3 p[10], int count, GirihTransform t, bool mirrored, bool t
                 return true;
             }
         }
-        // No turn or one: a CPU device would run a branch's body in any case.
-        for (uint turn = 0u; turn < girih_frame.cylindrical; ++turn) {
-            if (girih_outside_slopes(t, world, size, extent)) {
-                return true;
-            }
+        if (girih_frame.cylindrical != 0u && girih_outside_slopes(t, world, size, extent)) {
+            return true;
         }
     }
     if ((girih_frame.cull & GIRIH_CULL_BACK) != 0u && !two_sided) {

@@ -16,9 +16,10 @@ void main() {
 #if GIRIH_KERNEL == 0
     dispatch_groups();
 #else
-    uint slot = girih_invocation();
-    if (slot < girih_frame.draws_per_material * girih_frame.material_count) {
-        dispatch_draw(slot);
+    uint number = girih_invocation();
+    uint material = girih_quotient(number, girih_frame.draws_per_material);
+    if (material < girih_frame.material_count && number < draw_count(material)) {
+        dispatch_draw(material, number);
     }
 #endif
 }

@@ -33,19 +33,17 @@ uvec2 multiply_wide(uint a, uint b) {
     return uvec2(low, high);
 }
 
-// Items of a group as it will be drawn. After an overflow the first group of a material, base pattern
-// [0,0,0], takes all of its triangles.
-uvec2 group_items(uint group, bool level0) {
+// Items of a group, a material's `range`, as it will be drawn. After an overflow the first group of a material,
+// base pattern [0,0,0], takes all of its triangles.
+uvec2 group_items(uint group, uint range, bool level0) {
     uint word = group * GIRIH_GROUP_WORDS;
     if (!level0) {
         return uvec2(GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST), GIRIH_AT_GROUPS(word + GIRIH_GROUP_END));
     }
-    if (group % girih_frame.range_count != 0u) {
-        return uvec2(0u);
-    }
     uint first = 0xffffffffu;
     uint end = 0u;
-    for (uint n = 0u; n < girih_frame.range_count; ++n) {
+    uint ranges = range == 0u ? girih_frame.range_count : 0u;
+    for (uint n = 0u; n < ranges; ++n) {
         uint other = (group + n) * GIRIH_GROUP_WORDS;
         if (GIRIH_AT_GROUPS(other + GIRIH_GROUP_FIRST) < GIRIH_AT_GROUPS(other + GIRIH_GROUP_END)) {
             first = min(first, GIRIH_AT_GROUPS(other + GIRIH_GROUP_FIRST));
@@ -72,9 +70,9 @@ uint item_vertices(uint rank) {
     return girih_frame.output_mode == GIRIH_OUTPUT_WELDED ? vertices - edge_ends(rank).z : vertices;
 }
 
-// What evaluate and output need of the group `group` whose items are drawn as those of group `drawn`.
-void write_record(uint group, uint drawn, uint first_item) {
-    uint range = drawn % girih_frame.range_count;
+// What evaluate and output need of the group `group` whose items are drawn as those of group `drawn`, a
+// material's `range`.
+void write_record(uint group, uint drawn, uint range, uint first_item) {
     uint rank = girih_range_rank(range);
     uint mirrored = range != girih_pattern(rank, GIRIH_PATTERN_RANGE) ? GIRIH_GROUP_MIRRORED : 0u;
     uint word = group * GIRIH_GROUP_WORDS;
@@ -94,20 +92,13 @@ void write_record(uint group, uint drawn, uint first_item) {
     GIRIH_AT_GROUPS(word + GIRIH_GROUP_INTERIOR) = ends.z;
 }
 
-// What one group adds.
-Sums group_sums(uint group, uvec2 items) {
-    Sums sums = Sums(uvec2(0u), uvec2(0u), 0u, 0u, 0u);
-    uint count = items.y - items.x;
-    if (count != 0u) {
-        uint rank = girih_range_rank(group % girih_frame.range_count);
-        uint replicas = girih_pattern(rank, GIRIH_PATTERN_REPLICAS);
-        sums.vertices = multiply_wide(count, item_vertices(rank));
-        sums.triangles = multiply_wide(count, girih_pattern(rank, GIRIH_PATTERN_TRIANGLES));
-        sums.draws = (count + replicas - 1u) / replicas;
-        sums.chunks = count * (girih_pattern(rank, GIRIH_PATTERN_CHUNKS) - 1u);
-        sums.groups = 1u;
-    }
-    return sums;
+// What `count` items of a range add.
+Sums range_sums(uint range, uint count) {
+    uint rank = girih_range_rank(range);
+    uint replicas = girih_pattern(rank, GIRIH_PATTERN_REPLICAS);
+    return Sums(multiply_wide(count, item_vertices(rank)),
+                multiply_wide(count, girih_pattern(rank, GIRIH_PATTERN_TRIANGLES)), (count + replicas - 1u) / replicas,
+                count * (girih_pattern(rank, GIRIH_PATTERN_CHUNKS) - 1u), 1u);
 }
 
 Sums add_sums(Sums a, Sums b) {
@@ -148,10 +139,20 @@ Sums scan_lanes(Sums own, out Sums total) {
     return before;
 }
 
-Sums sum_run(uint begin, uint end, bool level0) {
+// The range of the next group.
+uint next_range(uint range) {
+    return range + 1u < girih_frame.range_count ? range + 1u : 0u;
+}
+
+// From the range `range` on.
+Sums sum_run(uint begin, uint end, uint range, bool level0) {
     Sums sums = Sums(uvec2(0u), uvec2(0u), 0u, 0u, 0u);
     for (uint group = begin; group < end; ++group) {
-        sums = add_sums(sums, group_sums(group, group_items(group, level0)));
+        uvec2 items = group_items(group, range, level0);
+        if (items.x != items.y) {
+            sums = add_sums(sums, range_sums(range, items.y - items.x));
+        }
+        range = next_range(range);
     }
     return sums;
 }
@@ -178,13 +179,16 @@ void dispatch_groups() {
     uint run = (girih_frame.group_count + girih_lanes - 1u) / girih_lanes;
     uint begin = min(lane * run, girih_frame.group_count);
     uint end = min(begin + run, girih_frame.group_count);
+    uint range = begin;
+    uint material = girih_quotient(range, girih_frame.range_count);
+    material += min(range, 1u); // the next one to begin
     uvec2 border = uvec2(0u);
     if (girih_frame.output_mode == GIRIH_OUTPUT_WELDED) {
         border = add_wide(uvec2(girih_frame.corner_count, 0u),
                           uvec2(GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES), GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES + 1u)));
     }
     Sums total;
-    Sums sums = scan_lanes(sum_run(begin, end, false), total);
+    Sums sums = scan_lanes(sum_run(begin, end, range, false), total);
     uvec2 vertices = add_wide(total.vertices, border);
     uint groups_in_use = total.groups;
     bool level0 = exceeds(total.triangles, girih_frame.max_triangles) ||
@@ -197,45 +201,66 @@ void dispatch_groups() {
         GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) = level0 ? GIRIH_STATUS_OVERFLOW : 0u;
     }
     if (level0) {
-        sums = scan_lanes(sum_run(begin, end, true), total);
+        sums = scan_lanes(sum_run(begin, end, range, true), total);
         border = uvec2(girih_frame.output_mode == GIRIH_OUTPUT_WELDED ? girih_frame.corner_count : 0u, 0u);
         vertices = add_wide(total.vertices, border);
     }
-    // From here on everything fits 32 bits.
-    for (uint group = begin; group < end; ++group) {
-        uvec2 items = group_items(group, level0);
-        uint word = group * GIRIH_GROUP_WORDS;
-        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_VERTEX) = sums.vertices.x + border.x;
-        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_TRIANGLE) = sums.triangles.x;
-        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_DRAW) = sums.draws;
-        GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_CHUNK) = sums.chunks;
-        if (!level0) {
-            write_record(group, group, items.x);
-        }
-        uint count = items.y - items.x;
-        uint range = group % girih_frame.range_count;
-        uint rank = girih_range_rank(range);
-        if (count != 0u) {
-            GIRIH_AT_STATUS(GIRIH_STATUS_WORDS + rank) = 1u;
+    // From here on everything fits 32 bits. What is not written of an empty group was cleared to 0. Each turn
+    // walks on to the lane's next group with items: a CPU device would else do for all groups, most of them
+    // empty, what only these need. Lanes wait for each other in that walk, so its turns add up to the groups of all
+    // lanes at most; where that could be more turns than lavapipe lets a shader make, each is one group.
+    bool walk = girih_frame.group_count <= 16384u;
+    uint patterns = 0u;
+    uint group = begin;
+    do {
+        uvec2 items = uvec2(0u);
+        bool empty;
+        do {
+            empty = false;
+            if (group < end) {
+                items = group_items(group, range, level0);
+                empty = items.x == items.y;
+                uint word = group * GIRIH_GROUP_WORDS;
+                GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_VERTEX) = sums.vertices.x + border.x;
+                GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_TRIANGLE) = sums.triangles.x;
+                GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_DRAW) = sums.draws;
+                GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_CHUNK) = sums.chunks;
+                if (range == 0u) {
+                    GIRIH_AT_STATUS(GIRIH_STATUS_WORDS + girih_frame.pattern_count + material) = sums.triangles.x;
+                    ++material;
+                }
+            }
+            if (empty) {
+                ++group;
+                range = next_range(range);
+            }
+        } while (empty && walk);
+        if (group < end && !empty) {
+            uint count = items.y - items.x;
+            uint rank = girih_range_rank(range);
+            if (!level0) {
+                write_record(group, group, range, items.x);
+            }
+            patterns += 1u - atomicExchange(GIRIH_AT_STATUS(GIRIH_STATUS_WORDS + rank), 1u);
             if (item_vertices(rank) != 0u) {
                 atomicMin(first_interior, items.x);
             }
+            if (girih_frame.output_mode == GIRIH_OUTPUT_INSTANCED && girih_frame.draws_per_material != 0u) {
+                bool mirror = range != girih_pattern(rank, GIRIH_PATTERN_RANGE);
+                uint draw = group * GIRIH_DRAW_WORDS;
+                GIRIH_AT_DRAWS(draw) = 3u * girih_pattern(rank, GIRIH_PATTERN_TRIANGLES);
+                GIRIH_AT_DRAWS(draw + 1u) = count;
+                GIRIH_AT_DRAWS(draw + 2u) = girih_frame.first_index +
+                    girih_pattern(rank, mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
+                GIRIH_AT_DRAWS(draw + 3u) = girih_pattern(rank, GIRIH_PATTERN_FIRST_VERTEX);
+                GIRIH_AT_DRAWS(draw + 4u) = items.x;
+            }
+            sums = add_sums(sums, range_sums(range, count));
+            ++group;
+            range = next_range(range);
         }
-        if (range == 0u) {
-            GIRIH_AT_STATUS(GIRIH_STATUS_WORDS + girih_frame.pattern_count + group / girih_frame.range_count) = sums.triangles.x;
-        }
-        if (girih_frame.output_mode == GIRIH_OUTPUT_INSTANCED && girih_frame.draws_per_material != 0u) {
-            bool mirror = range != girih_pattern(rank, GIRIH_PATTERN_RANGE);
-            uint draw = group * GIRIH_DRAW_WORDS;
-            GIRIH_AT_DRAWS(draw) = 3u * girih_pattern(rank, GIRIH_PATTERN_TRIANGLES);
-            GIRIH_AT_DRAWS(draw + 1u) = count;
-            GIRIH_AT_DRAWS(draw + 2u) = girih_frame.first_index +
-                girih_pattern(rank, mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
-            GIRIH_AT_DRAWS(draw + 3u) = girih_pattern(rank, GIRIH_PATTERN_FIRST_VERTEX);
-            GIRIH_AT_DRAWS(draw + 4u) = items.x;
-        }
-        sums = add_sums(sums, group_sums(group, items));
-    }
+    } while (group < end);
+    atomicAdd(GIRIH_AT_STATUS(GIRIH_STATUS_PATTERNS), patterns);
     memoryBarrierBuffer();
     barrier();
     if (level0) {
@@ -243,19 +268,14 @@ void dispatch_groups() {
         // bounds of its groups do they change.
         for (uint material = lane; material < girih_frame.material_count; material += girih_lanes) {
             uint group = material * girih_frame.range_count;
-            uvec2 items = group_items(group, true);
+            uvec2 items = group_items(group, 0u, true);
             for (uint n = 0u; n < girih_frame.range_count; ++n) {
                 GIRIH_AT_GROUPS((group + n) * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) = n == 0u ? items.x : items.y;
                 GIRIH_AT_GROUPS((group + n) * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = items.y;
-                write_record(group + n, group, items.x);
+                write_record(group + n, group, 0u, items.x);
             }
         }
     }
-    uint patterns = 0u;
-    for (uint rank = lane; rank < girih_frame.pattern_count; rank += girih_lanes) {
-        patterns += GIRIH_AT_STATUS(GIRIH_STATUS_WORDS + rank);
-    }
-    atomicAdd(GIRIH_AT_STATUS(GIRIH_STATUS_PATTERNS), patterns);
     if (lane == 0u) {
         uint word = girih_frame.group_count * GIRIH_GROUP_WORDS;
         GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST) = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
@@ -280,24 +300,31 @@ void dispatch_groups() {
     }
 }
 
-// Baked draws: one invocation for each draw (`slot`) that a material may have. A group of C triangles whose
-// pattern's indices are replicated R times is drawn by ceil(C / R) draws, each with its own vertex
-// offset; what is left of a material's draws is empty.
+// Baked draws: one invocation for each draw (`number`, counted through) that a material may have. A group of C
+// triangles whose pattern's indices are replicated R times is drawn by ceil(C / R) draws, each with its own vertex
+// offset; what is left of a material's draws was cleared to 0.
 uint first_draw(uint group) {
     return GIRIH_AT_GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_DRAW);
 }
 
-void dispatch_draw(uint slot) {
-    uint material = slot / girih_frame.draws_per_material;
+// How many draws a material has.
+uint draw_count(uint material) {
+    uint group = material * girih_frame.range_count;
+    return girih_frame.pattern_draws != 0u ? first_draw(group + girih_frame.range_count) - first_draw(group)
+                                           : girih_frame.draws_per_material;
+}
+
+void dispatch_draw(uint material, uint number) {
     uint low = material * girih_frame.range_count;
     uint high = low + girih_frame.range_count;
-    uint draw = first_draw(low) + slot % girih_frame.draws_per_material;
-    uint arguments[5] = uint[5](0u, 0u, 0u, 0u, 0u);
+    uint arguments[5] = uint[5](0u, 1u, 0u, 0u, 0u);
     if (girih_frame.pattern_draws == 0u) {
         uint first = GIRIH_AT_GROUPS(low * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_TRIANGLE);
         uint end = GIRIH_AT_GROUPS(high * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_TRIANGLE);
-        arguments = uint[5](3u * (end - first), 1u, girih_frame.first_list_index + 3u * first, 0u, 0u);
-    } else if (draw < first_draw(high)) {
+        arguments[0] = 3u * (end - first);
+        arguments[2] = girih_frame.first_list_index + 3u * first;
+    } else {
+        uint draw = first_draw(low) + number;
         // The last group whose first draw is not beyond this one; empty groups share their successor's.
         while (high - low > 1u) {
             uint middle = (low + high) / 2u;
@@ -308,18 +335,18 @@ void dispatch_draw(uint slot) {
             }
         }
         uint word = low * GIRIH_GROUP_WORDS;
-        uint range = low % girih_frame.range_count;
+        uint range = low - material * girih_frame.range_count;
         uint rank = girih_range_rank(range);
         uint replicas = girih_pattern(rank, GIRIH_PATTERN_REPLICAS);
         uint first = (draw - first_draw(low)) * replicas;
         uint count = min(replicas, GIRIH_AT_GROUPS(word + GIRIH_GROUP_END) - GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST) - first);
         bool mirror = range != girih_pattern(rank, GIRIH_PATTERN_RANGE);
         arguments[0] = count * 3u * girih_pattern(rank, GIRIH_PATTERN_TRIANGLES);
-        arguments[1] = 1u;
         arguments[2] = girih_frame.first_index +
             girih_pattern(rank, mirror ? GIRIH_PATTERN_FIRST_MIRRORED : GIRIH_PATTERN_FIRST_INDEX);
         arguments[3] = GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_VERTEX) + first * girih_pattern(rank, GIRIH_PATTERN_VERTICES);
     }
+    uint slot = material * girih_frame.draws_per_material + number;
     for (uint n = 0u; n < GIRIH_DRAW_WORDS; ++n) {
         GIRIH_AT_DRAWS(slot * GIRIH_DRAW_WORDS + n) = arguments[n];
     }

@@ -278,7 +278,11 @@ void main() {
     }
     uint pattern_vertex = work[GIRIH_GROUP_PATTERN_VERTEX - GIRIH_GROUP_VERTICES];
     GirihPatch patch_ = girih_own_patch(item.scene_triangle, item.instance, false);
-    for (uint n = begin; n < end; ++n) {
+    // Loops that ask at their end: asking first, a CPU device would walk through them once more in vain. Nothing that
+    // is made in them is used after them, where lavapipe has what their last turn left, whichever lanes took it.
+    uint next = begin;
+    do {
+        uint n = next++;
         uint vertex = welded ? girih_weld_vertex(weld, n) : first + n;
         if (!girih_in_window(vertex)) {
             continue;
@@ -289,7 +293,8 @@ void main() {
         // The point, the normal where it is another's, the previous point: all from one place in the code,
         // so that the compiler cannot treat two sides of an edge differently.
         uint turns = girih_has(GIRIH_VARIANT_PREVIOUS) ? 3u : places.smooth_ ? 1u : 2u;
-        for (uint turn = 0u; turn < turns; ++turn) {
+        uint turn = 0u;
+        do {
             GirihPlace place = places.position;
             if (turn == 1u) {
                 place = places.normal;
@@ -308,8 +313,8 @@ void main() {
             } else if (turn == 1u || turns != 2u) {
                 girih_write_attribute_vector(vertex, 0u, normal);
             }
-        }
-    }
+        } while (++turn < turns);
+    } while (next < end);
 }
 
 #endif

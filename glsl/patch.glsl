@@ -97,19 +97,6 @@ bool girih_overflow() {
     return (GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_OVERFLOW) != 0u;
 }
 
-// number / divisor; `number` becomes the remainder. A CPU device divides lane by lane, and would do so for
-// the lanes that have nothing to divide too; this loop it leaves at once.
-uint girih_quotient(inout uint number, uint divisor) {
-    uint quotient = 0u;
-    for (int bit = findMSB(number) - findMSB(divisor); bit >= 0; --bit) {
-        if (number >> bit >= divisor) {
-            number -= divisor << bit;
-            quotient |= 1u << bit;
-        }
-    }
-    return quotient;
-}
-
 // The item and the share of its work that an invocation of evaluate or output does. Invocation n has the
 // first chunk of item first + n, with no search; what patterns of many vertices have beyond it is
 // shared out among further invocations. False: nothing to do; item and chunk are there nevertheless.

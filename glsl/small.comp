@@ -59,11 +59,12 @@ void main() {
     dispatch_groups();
     end_step();
     // Those of the instanced mode are written with their groups.
-    uint draws = girih_frame.draws_per_material * girih_frame.material_count;
-    if (girih_frame.output_mode == GIRIH_OUTPUT_INSTANCED) {
-        draws = 0u;
-    }
-    for (uint slot = lane; slot < draws; slot += girih_lanes) {
-        dispatch_draw(slot);
+    bool lists = girih_frame.output_mode != GIRIH_OUTPUT_INSTANCED && girih_frame.draws_per_material != 0u;
+    uint materials = lists ? girih_frame.material_count : 0u;
+    for (uint material = 0u; material < materials; ++material) {
+        uint count = draw_count(material);
+        for (uint number = lane; number < count; number += girih_lanes) {
+            dispatch_draw(material, number);
+        }
     }
 }

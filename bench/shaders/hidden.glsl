@@ -8,12 +8,7 @@
 // From its corners and, where the surface is curved, the other control points in girih_culled's order.
 bool bench_hidden(vec3 points[10]) {
     const GirihTransform world = GirihTransform(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
-    bool hidden = false;
-    // No turn or one: a CPU device would run a branch's body in any case.
-    for (uint turn = 0u; turn < min(girih_frame.cull, 1u); ++turn) {
-        hidden = girih_culled(points, GIRIH_CURVED == 1 ? 10 : 3, world, false, false);
-    }
-    return hidden;
+    return girih_frame.cull != 0u && girih_culled(points, GIRIH_CURVED == 1 ? 10 : 3, world, false, false);
 }
 
 bool bench_hidden(vec3 p[3], vec3 n[3]) {

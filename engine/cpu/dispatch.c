@@ -129,18 +129,19 @@ static void write_groups(girih_arrays *arrays, bool level0, uint64_t border) {
         words[GIRIH_GROUP_FIRST_TRIANGLE] = (uint32_t)before.triangles;
         words[GIRIH_GROUP_FIRST_DRAW] = before.draws;
         words[GIRIH_GROUP_FIRST_CHUNK] = before.chunks;
-        if (!level0) {
-            write_record(arrays, group, group, items.first);
-        }
         const uint32_t range = group % frame->range_count;
-        const uint32_t rank = girih_range_rank(arrays, range);
-        if (items.end != items.first) {
-            status[GIRIH_STATUS_WORDS + rank] = 1;
-        }
         if (range == 0) {
             status[GIRIH_STATUS_WORDS + frame->pattern_count + group / frame->range_count] =
                 (uint32_t)before.triangles;
         }
+        if (items.end == items.first) {
+            continue;
+        }
+        if (!level0) {
+            write_record(arrays, group, group, items.first);
+        }
+        const uint32_t rank = girih_range_rank(arrays, range);
+        status[GIRIH_STATUS_WORDS + rank] = 1;
         if (frame->output_mode == GIRIH_OUTPUT_INSTANCED && frame->draws_per_material != 0) {
             write_instanced_draw(arrays, group, rank, items);
         }
@@ -228,7 +229,6 @@ static void write_baked_draw(girih_arrays *arrays, uint32_t slot) {
     const uint32_t draw =
         girih_group_word(arrays, low, GIRIH_GROUP_FIRST_DRAW) + slot % frame->draws_per_material;
     uint32_t *arguments = arrays->words[GIRIH_BIND_DRAWS] + (size_t)slot * GIRIH_DRAW_WORDS;
-    memset(arguments, 0, GIRIH_DRAW_WORDS * sizeof *arguments);
     if (frame->pattern_draws == 0) {
         const uint32_t first = girih_group_word(arrays, low, GIRIH_GROUP_FIRST_TRIANGLE);
         const uint32_t end = girih_group_word(arrays, high, GIRIH_GROUP_FIRST_TRIANGLE);
@@ -289,6 +289,11 @@ void girih_twin_dispatch(girih_arrays *arrays) {
         total = sum_groups(arrays, true);
         border = welded ? frame->corner_count : 0;
         vertices = total.vertices + border;
+    }
+    if (frame->draws_per_material) {
+        // What is not drawn is there nevertheless, empty.
+        memset(arrays->words[GIRIH_BIND_DRAWS], 0,
+               (size_t)arrays->count[GIRIH_BIND_DRAWS] * sizeof(uint32_t));
     }
     write_groups(arrays, level0, border);
     if (level0) {
