@@ -22,21 +22,19 @@ static const shader_code shaders[GIRIH_SHADER_COUNT][2] = {
 #undef GIRIH_SHADER_CODE
 };
 
-// The bits of a variant that concern a shader: at most eight, so that GIRIH_MAX_VARIANTS slots do.
+// The bits of a variant that concern a shader: at most six, so that GIRIH_MAX_VARIANTS slots do.
 static uint32_t variant_mask(uint32_t shader) {
     switch (shader) {
     case GIRIH_SHADER_levels:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_DYNAMIC | 7u << GIRIH_VARIANT_RULE_SHIFT;
     case GIRIH_SHADER_select_flat:
     case GIRIH_SHADER_select_pn:
-        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_CULL |
-               GIRIH_VARIANT_DYNAMIC | GIRIH_VARIANT_MATERIALS;
     case GIRIH_SHADER_small_flat_narrow:
     case GIRIH_SHADER_small_flat_wide:
     case GIRIH_SHADER_small_pn_narrow:
     case GIRIH_SHADER_small_pn_wide:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_CULL |
-               GIRIH_VARIANT_DYNAMIC | GIRIH_VARIANT_MATERIALS | 7u << GIRIH_VARIANT_RULE_SHIFT;
+               GIRIH_VARIANT_DYNAMIC | GIRIH_VARIANT_MATERIALS;
     case GIRIH_SHADER_evaluate_patches_flat:
     case GIRIH_SHADER_evaluate_patches_pn:
     case GIRIH_SHADER_evaluate_points_flat:

@@ -23,16 +23,11 @@ static uint32_t small_shader(const girih_plan *plan) {
 }
 
 girih_result girih_small_need(const girih_plan *plan, girih_error *error) {
-    girih_result result = GIRIH_OK;
-    for (uint32_t rule = 0; rule < GIRIH_LEVEL_RULES && result == GIRIH_OK; ++rule) {
-        const uint32_t variant = plan->variant | rule << GIRIH_VARIANT_RULE_SHIFT;
-        result = girih_pipeline_need(plan->context, small_shader(plan), variant, error);
-        if (result == GIRIH_OK) {
-            result = girih_pipeline_need(plan->context, small_shader(plan),
-                                         variant | GIRIH_VARIANT_CULL, error);
-        }
-    }
-    return result;
+    const girih_result result =
+        girih_pipeline_need(plan->context, small_shader(plan), plan->variant, error);
+    return result == GIRIH_OK ? girih_pipeline_need(plan->context, small_shader(plan),
+                                                    plan->variant | GIRIH_VARIANT_CULL, error)
+                              : result;
 }
 
 void girih_record_small(const girih_plan *plan, VkCommandBuffer commands) {
@@ -41,8 +36,6 @@ void girih_record_small(const girih_plan *plan, VkCommandBuffer commands) {
     const uint32_t passes = girih_sort_passes(frame->group_count, &bits);
     const girih_push_block push = {.shift = bits, .bins = 1u << bits, .first_pass = passes};
     girih_push(plan, commands, &push);
-    girih_bind_pipeline(plan, commands, small_shader(plan),
-                        frame->rule << GIRIH_VARIANT_RULE_SHIFT |
-                            (frame->cull ? GIRIH_VARIANT_CULL : 0));
+    girih_bind_pipeline(plan, commands, small_shader(plan), frame->cull ? GIRIH_VARIANT_CULL : 0);
     girih_dispatch_invocations(plan, commands, 1, 1);
 }

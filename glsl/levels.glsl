@@ -5,9 +5,18 @@
 #include "scene.glsl"
 #include "level_rules.glsl"
 
-const uint rule = girih_variant >> GIRIH_VARIANT_RULE_SHIFT & 7u;
+// A small plan's shader asks the frame: its edges are few, and a pipeline for each rule takes longer to make than
+// they will ever save.
+uint level_rule() {
+#ifdef GIRIH_SEVERAL_STAGES
+    return girih_frame.rule;
+#else
+    return girih_variant >> GIRIH_VARIANT_RULE_SHIFT & 7u;
+#endif
+}
 
 void write_level(uint edge) {
+    uint rule = level_rule();
     if (rule == GIRIH_LEVELS_UNIFORM) {
         GIRIH_AT_LEVELS(edge) = girih_frame.uniform_level;
         if (edge == 0u && girih_frame.uniform_clamped != 0u) {

@@ -175,8 +175,6 @@
 #define GIRIH_LEVELS_RANDOM_LEVEL 4u    // the number drawn below random_segments is the level itself
 #define GIRIH_LEVELS_HORIZONTAL 5u      // horizontal angle at the eye
 
-#define GIRIH_LEVEL_RULES 6u            // how many there are
-
 #define GIRIH_MAX_LEVELS 256u           // of a catalogue: catalogue.c opens no larger one
 
 #define GIRIH_CULL_FRUSTUM 1u
