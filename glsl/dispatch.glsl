@@ -209,7 +209,7 @@ void dispatch_groups() {
     // walks on to the lane's next group with items: a CPU device would else do for all groups, most of them
     // empty, what only these need. Lanes wait for each other in that walk, so its turns add up to the groups of all
     // lanes at most; where that could be more turns than lavapipe lets a shader make, each is one group.
-    bool walk = girih_frame.group_count <= 16384u;
+    bool walk = girih_frame.group_count <= GIRIH_FEW_GROUPS;
     uint patterns = 0u;
     uint group = begin;
     do {

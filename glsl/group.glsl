@@ -185,15 +185,11 @@ void place_block(uint block) {
 // By one lane a digit.
 void sum_blocks(uint digit) {
     uint sum = 0u;
-    // Two loops, because lavapipe ends a shader's loop after 65,535 turns.
-    for (uint first = 0u; first < girih_frame.sort_block_count; first += 32768u) {
-        uint end = min(first + 32768u, girih_frame.sort_block_count);
-        for (uint block = first; block < end; ++block) {
-            uint word = counter_word(block, digit);
-            uint count = GIRIH_AT_COUNTERS(word);
-            GIRIH_AT_COUNTERS(word) = sum;
-            sum += count;
-        }
+    for (uint block = 0u; block < girih_frame.sort_block_count; ++block) {
+        uint word = counter_word(block, digit);
+        uint count = GIRIH_AT_COUNTERS(word);
+        GIRIH_AT_COUNTERS(word) = sum;
+        sum += count;
     }
     GIRIH_AT_COUNTERS(counter_word(girih_frame.sort_block_count, digit)) = sum;
 }
