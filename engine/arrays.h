@@ -119,6 +119,7 @@ girih_result girih_twin_group(girih_arrays *arrays, girih_error *error);
 // The numbers of welded vertices inside shared edges: WELD_OFFSETS, STATUS_WELD_VERTICES. Part of
 // output, before dispatch.
 void girih_twin_weld(girih_arrays *arrays);
+// After girih_twin_group, which clears the groups: of empty ones it writes only where they begin.
 void girih_twin_dispatch(girih_arrays *arrays);
 // Writes OUT_POSITIONS and OUT_ATTRIBUTES (instanced: patches into OUT_ATTRIBUTES), all in one
 // window.

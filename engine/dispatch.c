@@ -2,7 +2,8 @@
 #include "context.h"
 
 uint32_t girih_dispatch_shader(const girih_plan *plan) {
-    // Few lanes have few groups each: lavapipe ends all loops of an invocation after 65,535 turns.
+    // Eight lanes would have too many groups each: lavapipe ends all loops of an invocation after
+    // 65,535 turns.
     return plan->context->serial_sort && plan->arrays.frame.group_count <= GIRIH_FEW_GROUPS
                ? GIRIH_SHADER_dispatch_groups_serial
                : GIRIH_SHADER_dispatch_groups_workgroup;

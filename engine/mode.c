@@ -3,8 +3,9 @@
 
 // Output triangles for each input triangle from which the instanced mode is the faster one on a CPU
 // device: an instance costs such a device as much as some dozens of triangles, a baked vertex is
-// written and read again. On lavapipe baked is far ahead at 3, the two are about equal from 16 to 30,
-// and instanced is ahead at 35, more so where frames are shaded.
+// written and read again. On lavapipe (girih-bench --case spheres, table3) baked is far ahead at 3,
+// the two are about equal from 16 to 30, and instanced is ahead at 35, more so where frames are
+// shaded.
 #define TRIANGLES_WORTH_AN_INSTANCE 24u
 
 static bool can_instance(const girih_context *context, const girih_plan_desc *desc) {

@@ -6,6 +6,10 @@
 #include "memory.h"
 #include "pack.h"
 
+// lavapipe ends all loops of an invocation after 65,535 turns, and dispatch takes up to six for
+// each 128 groups.
+#define MOST_CPU_GROUPS (1u << 20)
+
 #define ALL_OUTPUTS                                                                                \
     ((uint32_t)(GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_CLOSED_INDICES | GIRIH_OUTPUT_SOURCES |        \
                 GIRIH_OUTPUT_NO_DRAW | GIRIH_OUTPUT_PREVIOUS | GIRIH_OUTPUT_PADDED))
@@ -238,6 +242,12 @@ static girih_result prepare(girih_plan *plan, const girih_plan_desc *desc,
                               .previous = (plan->outputs & GIRIH_OUTPUT_PREVIOUS) != 0};
     girih_result result = girih_pack_plan(&plan->arrays, &shape, &desc->scene->table,
                                           desc->instances, desc->instance_count, error);
+    if (result == GIRIH_OK && context->is_cpu && frame->group_count > MOST_CPU_GROUPS) {
+        result = girih_fail(error, GIRIH_ERROR_TOO_LARGE,
+                            "plan: %u materials times %u pattern ranges are more than a CPU "
+                            "device's loops can count (%u); use fewer of either",
+                            frame->material_count, frame->range_count, MOST_CPU_GROUPS);
+    }
     if (result != GIRIH_OK) {
         return result;
     }

@@ -63,6 +63,7 @@ static girih_result lay_out_work(girih_plan *plan, girih_error *error) {
     girih_arrays *arrays = &plan->arrays;
     VkDeviceSize size = 0;
     girih_layout_arrays(arrays, PLAN_FIRST, GIRIH_BIND_WELD_OFFSETS, plan->offset, &size);
+    _Static_assert(GIRIH_BIND_WELD_OFFSETS + 1 == PLAN_END, "no array of the plan's lies behind");
     // The offsets are written when the sort is done, so they lie in its spare items where they fit.
     plan->offset[GIRIH_BIND_WELD_OFFSETS] = plan->offset[GIRIH_BIND_ITEMS_SPARE];
     if (arrays->count[GIRIH_BIND_WELD_OFFSETS] > arrays->count[GIRIH_BIND_ITEMS_SPARE]) {

@@ -105,7 +105,9 @@ static void record_begin(girih_plan *plan, VkCommandBuffer commands) {
     vk->CmdCopyBuffer(commands, staging->buffer, work->buffer, 2, copies);
     vk->CmdUpdateBuffer(commands, work->buffer, work->offset + plan->frame_offset,
                         sizeof arrays->frame, &arrays->frame);
-    // Groups, status and draws lie side by side.
+    _Static_assert(GIRIH_BIND_STATUS == GIRIH_BIND_GROUPS + 1 &&
+                       GIRIH_BIND_DRAWS == GIRIH_BIND_GROUPS + 2,
+                   "groups, status and draws lie side by side");
     const VkDeviceSize cleared = plan->offset[GIRIH_BIND_GROUPS];
     vk->CmdFillBuffer(
         commands, work->buffer, work->offset + cleared,

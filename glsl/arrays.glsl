@@ -224,6 +224,21 @@ uint girih_quotient(inout uint number, uint divisor) {
     return quotient;
 }
 
+// The first of the sorted items whose group is not before `group`.
+uint girih_first_item(uint group, uint items) {
+    uint low = 0u;
+    uint high = items;
+    while (low < high) {
+        uint middle = (low + high) >> 1;
+        if (GIRIH_AT_ITEMS(middle)[GIRIH_ITEM_KEY] >> 3 < group) {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
 // Word `field` of a rank's pattern.
 uint girih_pattern(uint rank, uint field) {
     return GIRIH_AT_PATTERNS(rank * GIRIH_PATTERN_WORDS + field);

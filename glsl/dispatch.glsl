@@ -33,24 +33,40 @@ uvec2 multiply_wide(uint a, uint b) {
     return uvec2(low, high);
 }
 
-// Items of a group, a material's `range`, as it will be drawn. After an overflow the first group of a material,
-// base pattern [0,0,0], takes all of its triangles.
-uvec2 group_items(uint group, uint range, bool level0) {
+// First item and end of a group.
+uvec2 group_items(uint group) {
     uint word = group * GIRIH_GROUP_WORDS;
-    if (!level0) {
-        return uvec2(GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST), GIRIH_AT_GROUPS(word + GIRIH_GROUP_END));
+    return uvec2(GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST), GIRIH_AT_GROUPS(word + GIRIH_GROUP_END));
+}
+
+void write_items(uint group, uvec2 items) {
+    uint word = group * GIRIH_GROUP_WORDS;
+    GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST) = items.x;
+    GIRIH_AT_GROUPS(word + GIRIH_GROUP_END) = items.y;
+}
+
+// After an overflow the first group of a material, base pattern [0,0,0], takes all of its items. All lanes together,
+// once none of them needs the bounds as they were.
+void merge_groups() {
+    uint lane = gl_LocalInvocationID.x;
+    uint items = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
+    uint ranges = girih_frame.range_count;
+    for (uint material = lane; material < girih_frame.material_count; material += girih_lanes) {
+        uint first = girih_first_item(material * ranges, items);
+        uint end = girih_first_item((material + 1u) * ranges, items);
+        write_items(material * ranges, first < end ? uvec2(first, end) : uvec2(0u));
     }
-    uint first = 0xffffffffu;
-    uint end = 0u;
-    uint ranges = range == 0u ? girih_frame.range_count : 0u;
-    for (uint n = 0u; n < ranges; ++n) {
-        uint other = (group + n) * GIRIH_GROUP_WORDS;
-        if (GIRIH_AT_GROUPS(other + GIRIH_GROUP_FIRST) < GIRIH_AT_GROUPS(other + GIRIH_GROUP_END)) {
-            first = min(first, GIRIH_AT_GROUPS(other + GIRIH_GROUP_FIRST));
-            end = max(end, GIRIH_AT_GROUPS(other + GIRIH_GROUP_END));
+    memoryBarrierBuffer();
+    barrier();
+    for (uint group = lane; group < girih_frame.group_count; group += girih_lanes) {
+        uint first_group = group / ranges * ranges;
+        uvec2 merged = group_items(first_group);
+        if (group != first_group) {
+            write_items(group, merged.yy);
         }
     }
-    return end == 0u ? uvec2(0u) : uvec2(first, end);
+    memoryBarrierBuffer();
+    barrier();
 }
 
 // The numbers of a pattern's vertices before the inner ones of edges 2 and 3 and the interior ones.
@@ -70,8 +86,8 @@ uint item_vertices(uint rank) {
     return girih_frame.output_mode == GIRIH_OUTPUT_WELDED ? vertices - edge_ends(rank).z : vertices;
 }
 
-// What evaluate and output need of the group `group` whose items are drawn as those of group `drawn`, a
-// material's `range`.
+// What evaluate and output need of the group `group` whose items are drawn as those of group `drawn`, which is
+// range `range` of its material.
 void write_record(uint group, uint drawn, uint range, uint first_item) {
     uint rank = girih_range_rank(range);
     uint mirrored = range != girih_pattern(rank, GIRIH_PATTERN_RANGE) ? GIRIH_GROUP_MIRRORED : 0u;
@@ -144,11 +160,11 @@ uint next_range(uint range) {
     return range + 1u < girih_frame.range_count ? range + 1u : 0u;
 }
 
-// From the range `range` on.
-Sums sum_run(uint begin, uint end, uint range, bool level0) {
+// Of the groups begin to end, of which the first is range `range` of its material.
+Sums sum_run(uint begin, uint end, uint range) {
     Sums sums = Sums(uvec2(0u), uvec2(0u), 0u, 0u, 0u);
     for (uint group = begin; group < end; ++group) {
-        uvec2 items = group_items(group, range, level0);
+        uvec2 items = group_items(group);
         if (items.x != items.y) {
             sums = add_sums(sums, range_sums(range, items.y - items.x));
         }
@@ -188,9 +204,8 @@ void dispatch_groups() {
                           uvec2(GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES), GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES + 1u)));
     }
     Sums total;
-    Sums sums = scan_lanes(sum_run(begin, end, range, false), total);
+    Sums sums = scan_lanes(sum_run(begin, end, range), total);
     uvec2 vertices = add_wide(total.vertices, border);
-    uint groups_in_use = total.groups;
     bool level0 = exceeds(total.triangles, girih_frame.max_triangles) ||
                   (girih_frame.output_mode != GIRIH_OUTPUT_INSTANCED && exceeds(vertices, girih_frame.max_vertices));
     if (lane == 0u) {
@@ -201,14 +216,17 @@ void dispatch_groups() {
         GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) = level0 ? GIRIH_STATUS_OVERFLOW : 0u;
     }
     if (level0) {
-        sums = scan_lanes(sum_run(begin, end, range, true), total);
+        merge_groups();
+        sums = scan_lanes(sum_run(begin, end, range), total);
         border = uvec2(girih_frame.output_mode == GIRIH_OUTPUT_WELDED ? girih_frame.corner_count : 0u, 0u);
         vertices = add_wide(total.vertices, border);
     }
     // From here on everything fits 32 bits. What is not written of an empty group was cleared to 0. Each turn
     // walks on to the lane's next group with items: a CPU device would else do for all groups, most of them
     // empty, what only these need. Lanes wait for each other in that walk, so its turns add up to the groups of all
-    // lanes at most; where that could be more turns than lavapipe lets a shader make, each is one group.
+    // lanes at most; where that could be more than lavapipe allows, each is one group. Of what the inner loop makes
+    // only that is used after it which a branch with loads or stores has set: lavapipe lets go of other values when
+    // a lane leaves such a loop before others.
     bool walk = girih_frame.group_count <= GIRIH_FEW_GROUPS;
     uint patterns = 0u;
     uint group = begin;
@@ -218,7 +236,7 @@ void dispatch_groups() {
         do {
             empty = false;
             if (group < end) {
-                items = group_items(group, range, level0);
+                items = group_items(group);
                 empty = items.x == items.y;
                 uint word = group * GIRIH_GROUP_WORDS;
                 GIRIH_AT_GROUPS(word + GIRIH_GROUP_FIRST_VERTEX) = sums.vertices.x + border.x;
@@ -235,12 +253,10 @@ void dispatch_groups() {
                 range = next_range(range);
             }
         } while (empty && walk);
-        if (group < end && !empty) {
+        if (items.x != items.y) {
             uint count = items.y - items.x;
             uint rank = girih_range_rank(range);
-            if (!level0) {
-                write_record(group, group, range, items.x);
-            }
+            write_record(group, group, range, items.x);
             patterns += 1u - atomicExchange(GIRIH_AT_STATUS(GIRIH_STATUS_WORDS + rank), 1u);
             if (item_vertices(rank) != 0u) {
                 atomicMin(first_interior, items.x);
@@ -264,16 +280,10 @@ void dispatch_groups() {
     memoryBarrierBuffer();
     barrier();
     if (level0) {
-        // All of a material's triangles stand in its first group. Only now that every lane has read the
-        // bounds of its groups do they change.
-        for (uint material = lane; material < girih_frame.material_count; material += girih_lanes) {
-            uint group = material * girih_frame.range_count;
-            uvec2 items = group_items(group, 0u, true);
-            for (uint n = 0u; n < girih_frame.range_count; ++n) {
-                GIRIH_AT_GROUPS((group + n) * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST) = n == 0u ? items.x : items.y;
-                GIRIH_AT_GROUPS((group + n) * GIRIH_GROUP_WORDS + GIRIH_GROUP_END) = items.y;
-                write_record(group + n, group, 0u, items.x);
-            }
+        // Items keep the keys of their own groups.
+        for (uint other = lane; other < girih_frame.group_count; other += girih_lanes) {
+            uint first_group = other / girih_frame.range_count * girih_frame.range_count;
+            write_record(other, first_group, 0u, group_items(first_group).x);
         }
     }
     if (lane == 0u) {
@@ -300,14 +310,14 @@ void dispatch_groups() {
     }
 }
 
-// Baked draws: one invocation for each draw (`number`, counted through) that a material may have. A group of C
-// triangles whose pattern's indices are replicated R times is drawn by ceil(C / R) draws, each with its own vertex
-// offset; what is left of a material's draws was cleared to 0.
+// Baked draws, of a material the one with this `number`. A group of C triangles whose pattern's indices are replicated
+// R times is drawn by ceil(C / R) draws, each with its own vertex offset; what is left of a material's draws was
+// cleared to 0.
 uint first_draw(uint group) {
     return GIRIH_AT_GROUPS(group * GIRIH_GROUP_WORDS + GIRIH_GROUP_FIRST_DRAW);
 }
 
-// How many draws a material has.
+// How many draws a material has; pack_catalogue.c says why draws_per_material suffices.
 uint draw_count(uint material) {
     uint group = material * girih_frame.range_count;
     return girih_frame.pattern_draws != 0u ? first_draw(group + girih_frame.range_count) - first_draw(group)

@@ -278,8 +278,8 @@ void main() {
     }
     uint pattern_vertex = work[GIRIH_GROUP_PATTERN_VERTEX - GIRIH_GROUP_VERTICES];
     GirihPatch patch_ = girih_own_patch(item.scene_triangle, item.instance, false);
-    // Loops that ask at their end: asking first, a CPU device would walk through them once more in vain. Nothing that
-    // is made in them is used after them, where lavapipe has what their last turn left, whichever lanes took it.
+    // Loops that ask at their end: asking first, a CPU device would walk through them once more in vain. Only
+    // what a branch with loads has set is used after them: lavapipe lets go of other values when a lane leaves.
     uint next = begin;
     do {
         uint n = next++;

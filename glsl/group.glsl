@@ -240,24 +240,9 @@ void sum_digits() {
     }
 }
 
-// The first item whose group is not before `group`.
-uint lower_bound(uint group, uint items) {
-    uint low = 0u;
-    uint high = items;
-    while (low < high) {
-        uint middle = (low + high) >> 1;
-        if (GIRIH_AT_ITEMS(middle)[GIRIH_ITEM_KEY] >> 3 < group) {
-            low = middle + 1u;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
 void find_bounds(uint group) {
     uint items = GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
-    write_bounds(group, lower_bound(group, items), lower_bound(group + 1u, items));
+    write_bounds(group, girih_first_item(group, items), girih_first_item(group + 1u, items));
 }
 
 // The same from the items: item n, of `items`, writes the bounds that it stands at. Less work than find_bounds where

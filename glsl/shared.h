@@ -267,7 +267,8 @@
 #define GIRIH_OUTPUT_BIT_CLOSED_INDICES 2u
 #define GIRIH_OUTPUT_BIT_SOURCES 4u
 
-#define GIRIH_FEW_GROUPS 16384u         // dispatch: as many are walked through by the lanes of a serial workgroup
+#define GIRIH_FEW_GROUPS 16384u         // dispatch: up to so many groups lanes walk on over empty ones, and a serial
+                                        // workgroup does it: 65,535 turns are lavapipe's limit
 #define GIRIH_WORKGROUP 64
 #define GIRIH_LARGE_WORKGROUP 128       // of the stages that do little for each edge or triangle
 #define GIRIH_SERIAL_WORKGROUP 8        // where lanes are few: of what one lane, or one workgroup, does alone

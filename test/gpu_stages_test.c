@@ -646,6 +646,7 @@ static void many_groups(void **state) {
         .mesh_count = 1, .meshes = &mesh, .instances = &once, .instance_count = 1};
     setting shared = begin_setting(context, girih_catalogue_linear(), placed);
     snprintf(what, sizeof what, "many groups");
+    run_frame(&shared, GIRIH_SURFACE_FLAT, GIRIH_MODE_BAKED, 0, &frames[1], 40);
     run_frame(&shared, GIRIH_SURFACE_FLAT, GIRIH_MODE_INSTANCED, 0, &frames[1], 100);
     print_message("%u groups in use\n", readback.words[GIRIH_BIND_STATUS][GIRIH_STATUS_GROUPS]);
     assert_true(readback.words[GIRIH_BIND_STATUS][GIRIH_STATUS_GROUPS] > 816 * MATERIALS);
