@@ -56,6 +56,9 @@ typedef struct bench_job_desc {
     const void *user;
     uint32_t frame_count; // different frames; those after them begin again; 0: BENCH_FRAMES
     bool geometry_only;   // no shaded frames are timed
+    // Where a method's pairs of one kind would take longer, there are fewer, but 5 at
+    // least; 0: never.
+    double most_seconds;
 } bench_job_desc;
 
 typedef struct bench_case_job {

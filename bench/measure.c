@@ -11,6 +11,7 @@
 #include "statistics.h"
 
 #define WARM_UP_FRAMES 4u
+#define LEAST_PAIRS 5u
 
 static const char *const raster_names[2] = {"geometry", "shaded"};
 
@@ -61,12 +62,14 @@ girih_result bench_frame(bench_case_job *job, const bench_method *method, void *
 // --- Figures ------------------------------------------------------------------------------------
 
 typedef struct samples {
+    uint32_t pairs;
     bench_time own[STATISTICS_MOST];
     bench_time base[STATISTICS_MOST];
 } samples;
 
 // One method's figures from its own times and the paired times of the first method.
-static json_t *figures_of(const samples *s, uint32_t pairs) {
+static json_t *figures_of(const samples *s) {
+    const uint32_t pairs = s->pairs;
     double sorted[STATISTICS_MOST];
     double ratios[STATISTICS_MOST];
     double low, high;
@@ -80,9 +83,10 @@ static json_t *figures_of(const samples *s, uint32_t pairs) {
     }
     const double median = statistics_median(sorted, pairs);
     statistics_interval(ratios, pairs, &low, &high);
-    return json_pack("{s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "median_ms", median, "min_ms", sorted[0],
-                     "max_ms", sorted[pairs - 1], "ratio", statistics_median(ratios, pairs),
-                     "ratio_low", low, "ratio_high", high, "cpu_ratio", cpu_ratio);
+    return json_pack("{s:i,s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "pairs", (int)pairs, "median_ms", median,
+                     "min_ms", sorted[0], "max_ms", sorted[pairs - 1], "ratio",
+                     statistics_median(ratios, pairs), "ratio_low", low, "ratio_high", high,
+                     "cpu_ratio", cpu_ratio);
 }
 
 static void write_sample(const bench_run *run, const char *name, const bench_method *const pair[2],
@@ -97,12 +101,19 @@ static void write_sample(const bench_run *run, const char *name, const bench_met
 static girih_result measure_raster(const bench_run *run, bench_case_job *job,
                                    const bench_method *const methods[2], void *const states[2],
                                    bench_raster raster, samples *s, girih_error *error) {
-    bench_time warm_up;
+    bench_time warm_up[2] = {{0}}; // of the last pair
     girih_result result = GIRIH_OK;
     for (uint32_t n = 0; n < WARM_UP_FRAMES && result == GIRIH_OK; ++n) {
-        result = bench_frame(job, methods[n % 2], states[n % 2], raster, n, &warm_up, error);
+        result = bench_frame(job, methods[n % 2], states[n % 2], raster, n, &warm_up[n % 2], error);
     }
-    for (uint32_t n = 0; n < run->pairs && result == GIRIH_OK; ++n) {
+    s->pairs = run->pairs;
+    const double seconds = (warm_up[0].wall + warm_up[1].wall) * 1e-3;
+    if (job->desc.most_seconds > 0.0 && s->pairs > LEAST_PAIRS &&
+        s->pairs * seconds > job->desc.most_seconds) {
+        const uint32_t affordable = (uint32_t)(job->desc.most_seconds / seconds);
+        s->pairs = affordable > LEAST_PAIRS ? affordable : LEAST_PAIRS;
+    }
+    for (uint32_t n = 0; n < s->pairs && result == GIRIH_OK; ++n) {
         // Which of the two goes first alternates too.
         for (uint32_t turn = 0; turn < 2 && result == GIRIH_OK; ++turn) {
             const uint32_t which = (n + turn) % 2;
@@ -249,7 +260,7 @@ static girih_result measure_rasters(const bench_run *run, bench_case_job *job,
         girih_report_progress(line);
         result = measure_raster(run, job, pair, states, raster, s, error);
         if (result == GIRIH_OK) {
-            json_object_set_new(object, raster_names[raster], figures_of(s, run->pairs));
+            json_object_set_new(object, raster_names[raster], figures_of(s));
         }
     }
     girih_report_progress(NULL);
