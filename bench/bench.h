@@ -124,6 +124,7 @@ girih_result bench_knuth_case(const bench_run *run, girih_error *error);
 girih_result bench_errors(const bench_run *run, girih_error *error);
 girih_result bench_instances(const bench_run *run, girih_error *error);
 girih_result bench_cities(const bench_run *run, girih_error *error);
+girih_result bench_large_city(const bench_run *run, girih_error *error);
 // For each input size and fineness that fits: the stages' and the whole time, medians of at most
 // run->pairs frames whose levels change, for a triangle of the input and of the output; and the
 // memory it takes. Times by stage are 0 where the queue has no timestamps.
