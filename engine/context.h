@@ -268,6 +268,7 @@ void girih_record_levels(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_select(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_group(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_weld(const girih_plan *plan, VkCommandBuffer commands);
+// The shader that walks through the groups, by their number.
 uint32_t girih_dispatch_shader(const girih_plan *plan);
 void girih_record_dispatch(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_small(const girih_plan *plan, VkCommandBuffer commands);
