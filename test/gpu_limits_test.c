@@ -300,12 +300,11 @@ static girih_statistics refine_guarded(girih_plan *plan, gpu_readback *read, uin
     const struct {
         uint32_t binding;
         VkDeviceSize size;
-    } outputs[] = {
-        {GIRIH_BIND_OUT_POSITIONS, plan->buffers[GIRIH_PLAN_POSITIONS].size},
-        {GIRIH_BIND_OUT_ATTRIBUTES, plan->buffers[GIRIH_PLAN_ATTRIBUTES].size},
-        {GIRIH_BIND_OUT_INDICES, plan->buffers[GIRIH_PLAN_INDICES].size},
-        {GIRIH_BIND_OUT_CLOSED_INDICES, plan->buffers[GIRIH_PLAN_CLOSED_INDICES].size},
-        {GIRIH_BIND_OUT_SOURCES, plan->buffers[GIRIH_PLAN_SOURCES].size}};
+    } outputs[] = {{GIRIH_BIND_OUT_POSITIONS, plan->buffers[GIRIH_PLAN_POSITIONS].size},
+                   {GIRIH_BIND_OUT_ATTRIBUTES, plan->buffers[GIRIH_PLAN_ATTRIBUTES].size},
+                   {GIRIH_BIND_OUT_INDICES, plan->buffers[GIRIH_PLAN_INDICES].size},
+                   {GIRIH_BIND_OUT_CLOSED_INDICES, plan->buffers[GIRIH_PLAN_CLOSED_INDICES].size},
+                   {GIRIH_BIND_OUT_SOURCES, plan->buffers[GIRIH_PLAN_SOURCES].size}};
     for (size_t k = 0; k < sizeof outputs / sizeof *outputs; ++k) {
         const uint32_t *words = read->words[outputs[k].binding];
         if (!words) {
@@ -421,10 +420,8 @@ static void frames_repeat(void **state) {
     gpu_readback a = {0};
     gpu_readback b = {0};
     gpu_refine(&device, other, &fine, &b);
-    assert_int_equal(girih_plan_set_transform(other, 0, moved[0].transform, NULL, NULL),
-                     GIRIH_OK);
-    assert_int_equal(girih_plan_set_transform(other, 2, moved[2].transform, NULL, NULL),
-                     GIRIH_OK);
+    assert_int_equal(girih_plan_set_transform(other, 0, moved[0].transform, NULL, NULL), GIRIH_OK);
+    assert_int_equal(girih_plan_set_transform(other, 2, moved[2].transform, NULL, NULL), GIRIH_OK);
     for (int turn = 0; turn < 2; ++turn) {
         gpu_refine(&device, there, &fine, &a);
         gpu_refine(&device, other, &fine, &b);
@@ -507,7 +504,8 @@ static void plans_side_by_side(void **state) {
                        {GIRIH_BIND_OUT_INDICES, buffers.indices}};
         for (size_t k = 0; k < sizeof outputs / sizeof *outputs; ++k) {
             const uint64_t bytes = 4 * written(plans[n], outputs[k].binding, &s);
-            void *words = gpu_read(&device, outputs[k].range.buffer, outputs[k].range.offset, bytes);
+            void *words =
+                gpu_read(&device, outputs[k].range.buffer, outputs[k].range.offset, bytes);
             assert_memory_equal(words, alone[n].words[outputs[k].binding], bytes);
             free(words);
         }
@@ -603,7 +601,8 @@ static void wrong_calls_are_refused(void **state) {
     const girih_frame mad = {.rule = GIRIH_LEVEL_EDGE_LENGTH, .length = NAN};
     assert_refused(girih_cmd_refine(plan, commands, &mad, NULL, &error), invalid, &error);
     gpu_run(&device, commands);
-    assert_refused(girih_plan_set_transform(plan, 1, once.transform, NULL, &error), invalid, &error);
+    assert_refused(girih_plan_set_transform(plan, 1, once.transform, NULL, &error), invalid,
+                   &error);
     assert_refused(girih_plan_set_transform(plan, 0, far.transform, NULL, &error),
                    GIRIH_ERROR_INVALID_DATA, &error);
     assert_refused(girih_plan_set_transform(plan, 0, once.transform, far.transform, &error),
@@ -712,6 +711,45 @@ static void features_masked_off(void **state) {
     assert_int_equal(gpu_close(&bare), 0);
 }
 
+// A million groups, materials times pattern ranges, are what a CPU device's loops can count.
+static void groups_are_limited(void **state) {
+    (void)state;
+    girih_context *context = gpu_variant_context(&device, (gpu_variant){.linear = 1});
+    const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const uint32_t indices[3] = {0, 1, 2};
+    const uint32_t ranges = 1376; // of linear 1..16
+    const bool is_cpu = device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    for (uint32_t over = 0; over < 2; ++over) {
+        const girih_submesh submesh = {.index_count = 3,
+                                       .material = (1u << 20) / ranges - 1 + over};
+        const girih_mesh_desc desc = {.name = "materials",
+                                      .vertex_count = 3,
+                                      .positions = positions,
+                                      .indices = indices,
+                                      .index_count = 3,
+                                      .submeshes = &submesh,
+                                      .submesh_count = 1,
+                                      .missing_normals = GIRIH_NORMALS_FLAT};
+        const girih_mesh *mesh;
+        girih_error error = {0};
+        assert_int_equal(girih_mesh_create(&desc, &mesh, &error), GIRIH_OK);
+        girih_scene *scene = gpu_scene(&device, context, &mesh, 1);
+        const girih_plan_desc wanted =
+            plan_of(scene, GIRIH_SURFACE_FLAT, GIRIH_MODE_WELDED, 0, 100);
+        girih_plan *plan = NULL;
+        const girih_result result = girih_plan_create(context, &wanted, &plan, &error);
+        if (over && is_cpu) {
+            assert_refused(result, GIRIH_ERROR_TOO_LARGE, &error);
+        } else {
+            assert_int_equal(result, GIRIH_OK);
+        }
+        girih_plan_destroy(plan);
+        girih_scene_destroy(scene);
+        girih_mesh_destroy(mesh);
+    }
+    girih_context_destroy(context);
+}
+
 // Whatever is asked for, the mode chosen can give it. On CPU devices 24 output triangles for each
 // input triangle part the modes; elsewhere it is instanced wherever that can be.
 static void modes_are_chosen(void **state) {
@@ -773,6 +811,7 @@ int main(void) {
         cmocka_unit_test(allocation_failures_are_reported),
         cmocka_unit_test(features_masked_off),
         cmocka_unit_test(modes_are_chosen),
+        cmocka_unit_test(groups_are_limited),
     };
     const girih_requirements requirements = girih_get_requirements();
     gpu_open(&device, &requirements.optional, true);
