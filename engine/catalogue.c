@@ -94,18 +94,10 @@ static girih_result check_header(const void *bytes, size_t size, girih_error *er
 
 // The largest index of a pattern whose indices lie within the catalogue.
 static uint32_t largest_index(const girih_catalogue *catalogue, const girih_base_pattern *pattern) {
-    size_t count = (size_t)pattern->triangle_count * 3;
     uint32_t largest = 0;
-    if (pattern->index_bytes == 2) {
-        const uint16_t *indices = at(catalogue, pattern->index_offset);
-        for (size_t n = 0; n < count; n++) {
-            largest = indices[n] > largest ? indices[n] : largest;
-        }
-    } else {
-        const uint32_t *indices = at(catalogue, pattern->index_offset);
-        for (size_t n = 0; n < count; n++) {
-            largest = indices[n] > largest ? indices[n] : largest;
-        }
+    for (uint32_t n = 0; n < pattern->triangle_count * 3; n++) {
+        const uint32_t index = girih_catalogue_index(catalogue, pattern, n);
+        largest = index > largest ? index : largest;
     }
     return largest;
 }
@@ -123,7 +115,7 @@ static girih_result check_pattern(const girih_catalogue *catalogue, const uint32
         }
         border += segments;
     }
-    uint32_t index_bytes = pattern->vertex_count > 65536 ? 4 : 2;
+    uint32_t index_bytes = pattern->vertex_count > 65536 ? 4 : pattern->vertex_count > 256 ? 2 : 1;
     uint64_t end = 0;
     if (reason) {
         // The first reason is the one to tell.
@@ -227,6 +219,9 @@ const uint32_t *girih_catalogue_vertices(const girih_catalogue *catalogue,
 
 uint32_t girih_catalogue_index(const girih_catalogue *catalogue, const girih_base_pattern *pattern,
                                uint32_t n) {
+    if (pattern->index_bytes == 1) {
+        return ((const uint8_t *)at(catalogue, pattern->index_offset))[n];
+    }
     if (pattern->index_bytes == 2) {
         return ((const uint16_t *)at(catalogue, pattern->index_offset))[n];
     }

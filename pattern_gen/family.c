@@ -7,25 +7,32 @@
 
 #include "error.h"
 
-const girih_family *girih_family_find(const char *name) {
-    return strcmp(name, girih_family_uniform.name) == 0 ? &girih_family_uniform : NULL;
+static const girih_family *const families[] = {&girih_family_uniform};
+
+const girih_family *girih_family_at(uint32_t n) {
+    return n < sizeof families / sizeof *families ? families[n] : NULL;
 }
 
-girih_result girih_pattern_build(const girih_family *family, const uint32_t segments[3],
-                                 uint32_t *vertices, uint32_t *indices, girih_error *error) {
-    uint32_t vertex_count = 0;
-    uint32_t triangle_count = 0;
-    family->count(segments, &vertex_count, &triangle_count);
-    size_t index_count = (size_t)triangle_count * 3;
-    uint32_t *unordered = malloc(index_count * sizeof *unordered);
-    if (!unordered) {
-        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory for %zu indices",
-                          index_count);
+const girih_family *girih_family_find(const char *name) {
+    for (uint32_t n = 0; girih_family_at(n); n++) {
+        if (strcmp(name, girih_family_at(n)->name) == 0) {
+            return girih_family_at(n);
+        }
     }
-    girih_result result = family->build(segments, vertices, unordered, error);
-    if (result == GIRIH_OK) {
-        meshopt_optimizeVertexCache(indices, unordered, index_count, vertex_count);
+    return NULL;
+}
+
+girih_result girih_pattern_build(const girih_family *family, const uint32_t segments[3], girih_pattern *pattern,
+                                 girih_error *error) {
+    girih_result result = family->build(family, segments, pattern, error);
+    const size_t index_count = (size_t)pattern->triangle_count * 3;
+    uint32_t *ordered = result == GIRIH_OK ? malloc(index_count * sizeof *ordered) : NULL;
+    if (ordered) {
+        meshopt_optimizeVertexCache(ordered, pattern->indices, index_count, pattern->vertex_count);
+        free(pattern->indices);
+        pattern->indices = ordered;
+    } else if (result == GIRIH_OK) {
+        result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory for %zu indices", index_count);
     }
-    free(unordered);
     return result;
 }

@@ -56,8 +56,7 @@ static const struct argp_option generate_options[] = {
     {"spacing", OPTION_SPACING, "dyadic|linear", 0,
      "dyadic: level l splits an edge into 2^l segments; linear: into l + 1", 0},
     {"max", OPTION_MAX, "N", 0, "Levels 0..N (dyadic) or 1..N segments (linear)", 0},
-    {"family", OPTION_FAMILY, "NAME", 0, "uniform (the default): a regular grid inside, one ring "
-     "stitched to the borders", 0},
+    {"family", OPTION_FAMILY, "NAME", 0, "Of patterns; --help of girih-patterns lists them", 0},
     OUTPUT_OPTION,
     END_OF_OPTIONS,
 };
@@ -182,7 +181,7 @@ static int run_generate(const arguments *arguments) {
     const char *name = arguments->family ? arguments->family : girih_family_uniform.name;
     const girih_family *family = girih_family_find(name);
     if (!family) {
-        return wrong_use(program, "--family is uniform, not '%s'", name);
+        return wrong_use(program, "there is no family '%s'; girih-patterns --help lists them", name);
     }
     girih_error error;
     girih_spacing spacing = dyadic ? GIRIH_SPACING_DYADIC : GIRIH_SPACING_LINEAR;
@@ -408,6 +407,9 @@ int main(int argc, char **argv) {
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-?") == 0 ||
         strcmp(argv[1], "help") == 0) {
         fputs(help, stdout);
+        for (uint32_t n = 0; girih_family_at(n); n++) {
+            printf("%s  %-12s %s\n", n == 0 ? "\nFamilies of patterns:\n" : "", girih_family_at(n)->name, girih_family_at(n)->summary);
+        }
         return fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
     }
     for (size_t n = 0; n < sizeof commands / sizeof *commands; n++) {

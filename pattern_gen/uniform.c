@@ -38,43 +38,11 @@ typedef struct ring {
     int symmetry_corner; // the corner on the pattern's axis of symmetry, -1 without one
 } ring;
 
-static uint32_t pack(uint32_t u, uint32_t v) {
-    return u | v << 16;
-}
-
-// round(m * 32768 / n) for the nearer half of an edge, the other half mirrored: an edge reads the
-// same from both ends.
-static uint32_t edge_parameter(uint32_t m, uint32_t n) {
-    if (2 * m > n) {
-        return GIRIH_BARYCENTRIC_ONE - edge_parameter(n - m, n);
-    }
-    return (2 * m * GIRIH_BARYCENTRIC_ONE + n) / (2 * n);
-}
-
-// The pattern's vertex m of n on an edge: corners first, then the inner vertices edge by edge.
-static uint32_t border_vertex(const uint32_t segments[3], uint32_t edge, uint32_t m) {
-    if (m == 0) {
-        return edge;
-    }
-    if (m == segments[edge]) {
-        return (edge + 1) % 3;
-    }
-    uint32_t first = 3;
-    for (uint32_t e = 0; e < edge; e++) {
-        first += segments[e] - 1;
-    }
-    return first + m - 1;
-}
-
-static uint32_t border_count(const uint32_t segments[3]) {
-    return segments[0] + segments[1] + segments[2];
-}
-
 // The pattern's vertex at (n - b - c, b, c) / n inside the triangle: rows along edge 1, from there
 // towards P3.
 static uint32_t interior_vertex(const uint32_t segments[3], uint32_t b, uint32_t c) {
     uint32_t row = c - 1;
-    return border_count(segments) + row * (segments[0] - 2) - row * (row - 1) / 2 + b - 1;
+    return girih_border_count(segments) + row * (segments[0] - 2) - row * (row - 1) / 2 + b - 1;
 }
 
 // Rounds the two smallest weights and gives the rest to the largest, so that the rows next to the
@@ -86,22 +54,14 @@ static uint32_t interior_position(uint32_t n, uint32_t b, uint32_t c) {
     uint32_t rest = GIRIH_BARYCENTRIC_ONE;
     for (uint32_t corner = 0; corner < 3; corner++) {
         largest = steps[corner] > steps[largest] ? corner : largest;
-        weights[corner] = edge_parameter(steps[corner], n);
+        weights[corner] = girih_edge_parameter(steps[corner], n);
         rest -= weights[corner];
     }
     weights[largest] += rest;
-    return pack(weights[0], weights[1]);
+    return girih_pack_vertex(weights[0], weights[1]);
 }
 
-static void place_vertices(const uint32_t segments[3], uint32_t *vertices) {
-    for (uint32_t edge = 0; edge < 3; edge++) {
-        for (uint32_t m = 0; m < segments[edge]; m++) {
-            uint32_t weights[3] = {0, 0, 0};
-            weights[(edge + 1) % 3] = edge_parameter(m, segments[edge]);
-            weights[edge] = GIRIH_BARYCENTRIC_ONE - weights[(edge + 1) % 3];
-            vertices[border_vertex(segments, edge, m)] = pack(weights[0], weights[1]);
-        }
-    }
+static void place_interior(const uint32_t segments[3], uint32_t *vertices) {
     uint32_t n = segments[0];
     for (uint32_t c = 1; c + 1 < n; c++) {
         for (uint32_t b = 1; b + c < n; b++) {
@@ -131,14 +91,14 @@ static uint32_t *fill_interior(const uint32_t segments[3], uint32_t *index) {
 // Step m of the outline of the inner grid along an edge, for n > 2, m in [0, n - 3].
 static uint32_t outline_vertex(const uint32_t segments[3], uint32_t edge, uint32_t m) {
     uint32_t steps = segments[0] - 3;
-    return border_count(segments) + (steps == 0 ? 0 : (edge * steps + m) % (3 * steps));
+    return girih_border_count(segments) + (steps == 0 ? 0 : (edge * steps + m) % (3 * steps));
 }
 
 static void place_ring_vertices(const uint32_t segments[3], ring_vertex *vertices) {
     for (uint32_t edge = 0; edge < 3; edge++) {
         double count = segments[edge];
         for (uint32_t m = 0; m < segments[edge]; m++) {
-            uint32_t index = border_vertex(segments, edge, m);
+            uint32_t index = girih_border_vertex(segments, edge, m);
             vertices[index] = (ring_vertex){.index = index};
             vertices[index].weights[edge] = (segments[edge] - m) / count;
             vertices[index].weights[(edge + 1) % 3] = m / count;
@@ -179,14 +139,14 @@ static void stitch_edge(ring *r, const uint32_t segments[3], uint32_t edge) {
     uint32_t outer = 0;
     uint32_t inner = 0;
     while (outer < outer_count || inner < inner_count) {
-        uint32_t border = border_vertex(segments, edge, outer);
+        uint32_t border = girih_border_vertex(segments, edge, outer);
         uint32_t outline = outline_vertex(segments, edge, inner);
         bool outward = inner == inner_count ||
                        (outer < outer_count &&
                         (2 * outer + 1) * segments[0] <= (2 * inner + 4) * outer_count);
         if (outward) {
             outer++;
-            add_ring_triangle(r, border, border_vertex(segments, edge, outer), outline, 2, 1);
+            add_ring_triangle(r, border, girih_border_vertex(segments, edge, outer), outline, 2, 1);
         } else {
             inner++;
             add_ring_triangle(r, outline_vertex(segments, edge, inner), outline, border, 1, 2);
@@ -211,11 +171,11 @@ static void stitch(ring *r, const uint32_t segments[3]) {
         return;
     }
     // No vertex inside: a fan around the middle of edge 1, or the one triangle itself.
-    uint32_t middle = segments[0] == 2 ? border_vertex(segments, 0, 1) : 0;
+    uint32_t middle = segments[0] == 2 ? girih_border_vertex(segments, 0, 1) : 0;
     for (uint32_t edge = 0; edge < 3; edge++) {
         for (uint32_t m = 0; m < segments[edge]; m++) {
-            uint32_t from = border_vertex(segments, edge, m);
-            uint32_t to = border_vertex(segments, edge, m + 1);
+            uint32_t from = girih_border_vertex(segments, edge, m);
+            uint32_t to = girih_border_vertex(segments, edge, m + 1);
             if (from != middle && to != middle) {
                 add_ring_triangle(r, from, to, middle, 2, 1);
             }
@@ -352,34 +312,28 @@ static void make_delaunay(ring *r) {
     }
 }
 
-static void count(const uint32_t segments[3], uint32_t *vertex_count, uint32_t *triangle_count) {
-    uint32_t n = segments[0];
-    *vertex_count = border_count(segments) + (n > 2 ? (n - 1) * (n - 2) / 2 : 0);
-    *triangle_count = n * n + border_count(segments) - 3 * n;
-}
-
-static int symmetry_corner(const uint32_t segments[3]) {
-    if (segments[0] == segments[1]) {
-        return 1;
-    }
-    return segments[1] == segments[2] ? 2 : -1;
-}
-
-static girih_result build(const uint32_t segments[3], uint32_t *vertices, uint32_t *indices,
+static girih_result build(const girih_family *family, const uint32_t segments[3], girih_pattern *pattern,
                           girih_error *error) {
-    place_vertices(segments, vertices);
-    uint32_t *index = fill_interior(segments, indices);
+    (void)family;
+    const uint32_t n = segments[0];
+    const uint32_t border = girih_border_count(segments);
+    girih_result result = girih_pattern_allocate(pattern, segments, border + (n > 2 ? (n - 1) * (n - 2) / 2 : 0),
+                                                 n * n + border - 3 * n, error);
+    if (result != GIRIH_OK) {
+        return result;
+    }
+    place_interior(segments, pattern->vertices);
+    uint32_t *index = fill_interior(segments, pattern->indices);
 
-    uint32_t outline = segments[0] > 3 ? 3 * (segments[0] - 3) : 1;
-    size_t capacity = (size_t)border_count(segments) + outline;
+    uint32_t outline = n > 3 ? 3 * (n - 3) : 1;
+    size_t capacity = (size_t)border + outline;
     ring r = {
-        .positions = vertices,
+        .positions = pattern->vertices,
         .vertices = calloc(capacity, sizeof *r.vertices),
         .triangles = calloc(capacity, sizeof *r.triangles),
         .queue = calloc(capacity, sizeof *r.queue),
-        .symmetry_corner = symmetry_corner(segments),
+        .symmetry_corner = girih_symmetry_corner(segments),
     };
-    girih_result result = GIRIH_OK;
     if (!r.vertices || !r.triangles || !r.queue) {
         result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory for %zu ring vertices",
                             capacity);
@@ -387,9 +341,9 @@ static girih_result build(const uint32_t segments[3], uint32_t *vertices, uint32
         place_ring_vertices(segments, r.vertices);
         stitch(&r, segments);
         make_delaunay(&r);
-        for (uint32_t n = 0; n < r.triangle_count; n++) {
+        for (uint32_t t = 0; t < r.triangle_count; t++) {
             for (int corner = 0; corner < 3; corner++) {
-                *index++ = r.vertices[r.triangles[n].vertices[corner]].index;
+                *index++ = r.vertices[r.triangles[t].vertices[corner]].index;
             }
         }
     }
@@ -399,4 +353,8 @@ static girih_result build(const uint32_t segments[3], uint32_t *vertices, uint32
     return result;
 }
 
-const girih_family girih_family_uniform = {.name = "uniform", .count = count, .build = build};
+const girih_family girih_family_uniform = {
+    .name = "uniform",
+    .summary = "a regular grid inside, one ring stitched to the borders",
+    .build = build,
+};

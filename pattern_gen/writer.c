@@ -2,10 +2,12 @@
 #include "writer.h"
 
 #include <errno.h>
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -13,22 +15,37 @@
 #include "error.h"
 #include "output.h"
 
-// Room for one pattern, the largest.
-typedef struct workspace {
-    uint32_t *vertices;
-    uint32_t *indices;
-    uint16_t *short_indices;
-} workspace;
+#define MOST_THREADS 64u
+
+// A pattern on its way from the thread that builds it to the file.
+typedef struct slot {
+    girih_pattern pattern;
+    girih_result result;
+    girih_error error;
+    bool built;
+} slot;
+
+// Patterns are built in any order and written in the order of their ranks; a thread that is far ahead waits.
+typedef struct workshop {
+    const girih_family *family;
+    const girih_base_pattern *patterns;
+    uint32_t pattern_count;
+    slot *slots; // of rank n: slot n % slot_count
+    uint32_t slot_count;
+    pthread_mutex_t mutex; // of what follows and of the slots' `built`
+    pthread_cond_t built;
+    pthread_cond_t written_one;
+    uint32_t next; // rank to be built
+    uint32_t written;
+    bool stopped;
+} workshop;
 
 static uint64_t align(uint64_t offset, uint64_t alignment) {
     return (offset + alignment - 1) / alignment * alignment;
 }
 
-// The header and the pattern table, but for the checksum.
-static void lay_out(const girih_family *family, girih_catalogue *header,
-                    girih_base_pattern *patterns) {
-    uint64_t indices = 0;
-    girih_base_pattern *pattern = patterns;
+// What of the pattern table is known before anything is built.
+static void name_patterns(const girih_catalogue *header, girih_base_pattern *pattern) {
     for (uint32_t i = 0; i < header->level_count; i++) {
         for (uint32_t j = 0; j <= i; j++) {
             for (uint32_t k = 0; k <= j; k++, pattern++) {
@@ -37,23 +54,9 @@ static void lay_out(const girih_family *family, girih_catalogue *header,
                     pattern->levels[edge] = (uint8_t)levels[edge];
                     pattern->segments[edge] = girih_catalogue_segments(header, levels[edge]);
                 }
-                family->count(pattern->segments, &pattern->vertex_count, &pattern->triangle_count);
-                pattern->index_bytes = pattern->vertex_count > 65536 ? 4 : 2;
-                pattern->first_vertex = (uint32_t)header->vertex_count;
-                pattern->index_offset = indices;
-                indices += align(3ull * pattern->triangle_count * pattern->index_bytes, 4);
-                header->vertex_count += pattern->vertex_count;
-                header->triangle_count += pattern->triangle_count;
             }
         }
     }
-    header->pattern_offset = sizeof *header;
-    header->vertex_offset = header->pattern_offset + header->pattern_count * sizeof *patterns;
-    uint64_t index_offset = header->vertex_offset + header->vertex_count * sizeof(uint32_t);
-    for (uint32_t rank = 0; rank < header->pattern_count; rank++) {
-        patterns[rank].index_offset += index_offset;
-    }
-    header->bytes = align(index_offset + indices, 8);
 }
 
 static girih_result write_at(FILE *stream, uint64_t offset, const void *bytes, size_t size,
@@ -65,28 +68,148 @@ static girih_result write_at(FILE *stream, uint64_t offset, const void *bytes, s
     return GIRIH_OK;
 }
 
-static girih_result write_pattern(const girih_family *family, const girih_catalogue *header,
-                                  const girih_base_pattern *pattern, workspace *space, FILE *stream,
-                                  girih_error *error) {
-    girih_result result = girih_pattern_build(family, pattern->segments, space->vertices,
-                                              space->indices, error);
-    if (result == GIRIH_OK) {
-        result = write_at(
-            stream, header->vertex_offset + pattern->first_vertex * sizeof *space->vertices,
-            space->vertices, pattern->vertex_count * sizeof *space->vertices, error);
-    }
-    if (result != GIRIH_OK) {
-        return result;
-    }
-    size_t count = (size_t)pattern->triangle_count * 3;
-    const void *indices = space->indices;
-    if (pattern->index_bytes == 2) {
-        for (size_t n = 0; n < count; n++) {
-            space->short_indices[n] = (uint16_t)space->indices[n];
+static void *build_patterns(void *data) {
+    workshop *shop = data;
+    pthread_mutex_lock(&shop->mutex);
+    while (true) {
+        while (!shop->stopped && shop->next < shop->pattern_count && shop->next >= shop->written + shop->slot_count) {
+            pthread_cond_wait(&shop->written_one, &shop->mutex);
         }
-        indices = space->short_indices;
+        if (shop->stopped || shop->next == shop->pattern_count) {
+            break;
+        }
+        const uint32_t rank = shop->next++;
+        pthread_mutex_unlock(&shop->mutex);
+        slot *mine = &shop->slots[rank % shop->slot_count];
+        mine->result = girih_pattern_build(shop->family, shop->patterns[rank].segments, &mine->pattern, &mine->error);
+        pthread_mutex_lock(&shop->mutex);
+        mine->built = true;
+        pthread_cond_broadcast(&shop->built);
     }
-    return write_at(stream, pattern->index_offset, indices, count * pattern->index_bytes, error);
+    pthread_mutex_unlock(&shop->mutex);
+    return NULL;
+}
+
+// Vertices go to the catalogue, indices beside it: where they begin is known after the last vertex.
+static girih_result write_pattern(girih_catalogue *header, girih_base_pattern *entry, const girih_pattern *pattern,
+                                  uint64_t *index_bytes, FILE *stream, FILE *indices, girih_error *error) {
+    if (header->vertex_count + pattern->vertex_count > UINT32_MAX) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "more than 2^32 vertices; use a smaller maximum");
+    }
+    entry->vertex_count = pattern->vertex_count;
+    entry->triangle_count = pattern->triangle_count;
+    entry->index_bytes = pattern->vertex_count > 65536 ? 4 : pattern->vertex_count > 256 ? 2 : 1;
+    entry->first_vertex = (uint32_t)header->vertex_count;
+    entry->index_offset = *index_bytes;
+    girih_result result =
+        write_at(stream, header->vertex_offset + header->vertex_count * sizeof(uint32_t), pattern->vertices,
+                 pattern->vertex_count * sizeof(uint32_t), error);
+    const size_t count = (size_t)pattern->triangle_count * 3;
+    const size_t bytes = align(count * entry->index_bytes, 4);
+    unsigned char *narrow = result == GIRIH_OK ? calloc(bytes, 1) : NULL;
+    if (narrow) {
+        for (size_t n = 0; n < count; n++) {
+            for (size_t byte = 0; byte < entry->index_bytes; byte++) {
+                narrow[n * entry->index_bytes + byte] = (unsigned char)(pattern->indices[n] >> (8 * byte));
+            }
+        }
+        result = write_at(indices, *index_bytes, narrow, bytes, error);
+        free(narrow);
+    } else if (result == GIRIH_OK) {
+        result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory for %zu indices", count);
+    }
+    header->vertex_count += pattern->vertex_count;
+    header->triangle_count += pattern->triangle_count;
+    *index_bytes += bytes;
+    return result;
+}
+
+static girih_result write_patterns(workshop *shop, girih_catalogue *header, girih_base_pattern *patterns,
+                                   uint64_t *index_bytes, FILE *stream, FILE *indices, girih_progress *progress,
+                                   girih_error *error) {
+    girih_result result = GIRIH_OK;
+    for (uint32_t rank = 0; rank < header->pattern_count && result == GIRIH_OK; rank++) {
+        slot *from = &shop->slots[rank % shop->slot_count];
+        pthread_mutex_lock(&shop->mutex);
+        while (!from->built) {
+            pthread_cond_wait(&shop->built, &shop->mutex);
+        }
+        pthread_mutex_unlock(&shop->mutex);
+        result = from->result;
+        if (result == GIRIH_OK) {
+            result = write_pattern(header, &patterns[rank], &from->pattern, index_bytes, stream, indices, error);
+        } else if (error) {
+            *error = from->error;
+        }
+        girih_pattern_free(&from->pattern);
+        pthread_mutex_lock(&shop->mutex);
+        from->built = false;
+        shop->written++;
+        pthread_cond_broadcast(&shop->written_one);
+        pthread_mutex_unlock(&shop->mutex);
+        if (progress) {
+            progress(rank + 1, header->pattern_count);
+        }
+    }
+    return result;
+}
+
+static girih_result build_and_write(const girih_family *family, girih_catalogue *header, girih_base_pattern *patterns,
+                                    uint64_t *index_bytes, FILE *stream, FILE *indices, girih_progress *progress,
+                                    girih_error *error) {
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const uint32_t wanted = processors < 1 ? 1 : processors > (long)MOST_THREADS ? MOST_THREADS : (uint32_t)processors;
+    workshop shop = {
+        .family = family,
+        .patterns = patterns,
+        .pattern_count = header->pattern_count,
+        .slot_count = 4 * wanted,
+        .mutex = PTHREAD_MUTEX_INITIALIZER,
+        .built = PTHREAD_COND_INITIALIZER,
+        .written_one = PTHREAD_COND_INITIALIZER,
+    };
+    shop.slots = calloc(shop.slot_count, sizeof *shop.slots);
+    if (!shop.slots) {
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory to build patterns in");
+    }
+    pthread_t threads[MOST_THREADS];
+    uint32_t thread_count = 0;
+    while (thread_count < wanted && pthread_create(&threads[thread_count], NULL, build_patterns, &shop) == 0) {
+        thread_count++;
+    }
+    girih_result result = thread_count > 0 ? write_patterns(&shop, header, patterns, index_bytes, stream, indices,
+                                                            progress, error)
+                                           : girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no thread can be started");
+    pthread_mutex_lock(&shop.mutex);
+    shop.stopped = true;
+    pthread_cond_broadcast(&shop.written_one);
+    pthread_mutex_unlock(&shop.mutex);
+    for (uint32_t n = 0; n < thread_count; n++) {
+        pthread_join(threads[n], NULL);
+    }
+    for (uint32_t n = 0; n < shop.slot_count; n++) {
+        girih_pattern_free(&shop.slots[n].pattern);
+    }
+    free(shop.slots);
+    return result;
+}
+
+// From the beginning of one stream to a place in another.
+static girih_result append(FILE *from, uint64_t bytes, FILE *to, uint64_t offset, girih_error *error) {
+    char buffer[1 << 16];
+    rewind(from);
+    for (uint64_t done = 0; done < bytes;) {
+        const size_t size = bytes - done < sizeof buffer ? (size_t)(bytes - done) : sizeof buffer;
+        if (fread(buffer, 1, size, from) != size) {
+            return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "cannot read the indices back: %s", strerror(errno));
+        }
+        girih_result result = write_at(to, offset + done, buffer, size, error);
+        if (result != GIRIH_OK) {
+            return result;
+        }
+        done += size;
+    }
+    return GIRIH_OK;
 }
 
 // The checksum covers what is in the file, read back after everything else is written.
@@ -114,25 +237,29 @@ static girih_result write_checksum(girih_catalogue *header, FILE *stream, girih_
     return result;
 }
 
-static girih_result write_all(const girih_family *family, girih_catalogue *header,
-                              const girih_base_pattern *patterns, FILE *stream,
-                              girih_progress *progress, girih_error *error) {
-    // The largest pattern has the largest count on all edges, and the highest rank.
-    const girih_base_pattern *largest = &patterns[header->pattern_count - 1];
-    size_t index_count = (size_t)largest->triangle_count * 3;
-    workspace space = {
-        .vertices = malloc(largest->vertex_count * sizeof *space.vertices),
-        .indices = malloc(index_count * sizeof *space.indices),
-        .short_indices = malloc(index_count * sizeof *space.short_indices),
-    };
-    girih_result result = GIRIH_OK;
-    if (!space.vertices || !space.indices || !space.short_indices) {
-        result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory for the largest pattern");
+static girih_result write_all(const girih_family *family, girih_catalogue *header, girih_base_pattern *patterns,
+                              FILE *stream, girih_progress *progress, girih_error *error) {
+    FILE *indices = tmpfile();
+    if (!indices) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "no temporary file: %s", strerror(errno));
     }
-    // What the tables leave free at the end is zero.
+    header->pattern_offset = sizeof *header;
+    header->vertex_offset = header->pattern_offset + header->pattern_count * sizeof *patterns;
+    uint64_t index_bytes = 0;
+    girih_result result =
+        build_and_write(family, header, patterns, &index_bytes, stream, indices, progress, error);
+    const uint64_t index_offset = header->vertex_offset + header->vertex_count * sizeof(uint32_t);
+    header->bytes = align(index_offset + index_bytes, 8);
+    for (uint32_t rank = 0; rank < header->pattern_count; rank++) {
+        patterns[rank].index_offset += index_offset;
+    }
+    // What is left free at the end is zero.
     const uint64_t zero = 0;
     if (result == GIRIH_OK) {
         result = write_at(stream, header->bytes - sizeof zero, &zero, sizeof zero, error);
+    }
+    if (result == GIRIH_OK) {
+        result = append(indices, index_bytes, stream, index_offset, error);
     }
     if (result == GIRIH_OK) {
         result = write_at(stream, 0, header, sizeof *header, error);
@@ -141,18 +268,10 @@ static girih_result write_all(const girih_family *family, girih_catalogue *heade
         result = write_at(stream, header->pattern_offset, patterns,
                           header->pattern_count * sizeof *patterns, error);
     }
-    for (uint32_t rank = 0; rank < header->pattern_count && result == GIRIH_OK; rank++) {
-        result = write_pattern(family, header, &patterns[rank], &space, stream, error);
-        if (progress) {
-            progress(rank + 1, header->pattern_count);
-        }
-    }
     if (result == GIRIH_OK) {
         result = write_checksum(header, stream, error);
     }
-    free(space.short_indices);
-    free(space.indices);
-    free(space.vertices);
+    fclose(indices);
     return result;
 }
 
@@ -180,7 +299,7 @@ girih_result girih_catalogue_write(const girih_family *family, girih_spacing spa
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory for %u base patterns",
                           header.pattern_count);
     }
-    lay_out(family, &header, patterns);
+    name_patterns(&header, patterns);
     girih_pattern_output output;
     girih_result result = girih_pattern_output_open(&output, path, error);
     if (result == GIRIH_OK) {

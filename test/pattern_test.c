@@ -14,40 +14,22 @@
 #include "laws.h"
 #include "permutation.h"
 
-typedef struct pattern {
-    uint32_t segments[3];
-    uint32_t vertex_count;
-    uint32_t triangle_count;
-    uint32_t *vertices;
-    uint32_t *indices;
-} pattern;
-
-static pattern build(uint32_t n1, uint32_t n2, uint32_t n3) {
-    pattern built = {.segments = {n1, n2, n3}};
-    girih_family_uniform.count(built.segments, &built.vertex_count, &built.triangle_count);
-    built.vertices = malloc(built.vertex_count * sizeof *built.vertices);
-    built.indices = malloc((size_t)built.triangle_count * 3 * sizeof *built.indices);
-    assert_non_null(built.vertices);
-    assert_non_null(built.indices);
+static girih_pattern build(uint32_t n1, uint32_t n2, uint32_t n3) {
+    const uint32_t segments[3] = {n1, n2, n3};
+    girih_pattern built;
     girih_error error = {.message = ""};
-    girih_result result = girih_pattern_build(&girih_family_uniform, built.segments,
-                                              built.vertices, built.indices, &error);
+    girih_result result = girih_pattern_build(&girih_family_uniform, segments, &built, &error);
     assert_string_equal(error.message, "");
     assert_int_equal(result, GIRIH_OK);
     return built;
 }
 
-static void release(pattern *built) {
-    free(built->vertices);
-    free(built->indices);
-}
-
-static girih_result check(const pattern *built, girih_error *error) {
+static girih_result check(const girih_pattern *built, girih_error *error) {
     return girih_laws_check_pattern(built->segments, built->vertices, built->vertex_count,
                                     built->indices, built->triangle_count, error);
 }
 
-static void assert_lawful_pattern(const pattern *built) {
+static void assert_lawful_pattern(const girih_pattern *built) {
     girih_error error = {.message = ""};
     girih_result result = check(built, &error);
     assert_string_equal(error.message, "");
@@ -55,12 +37,12 @@ static void assert_lawful_pattern(const pattern *built) {
 }
 
 static void assert_lawful(uint32_t n1, uint32_t n2, uint32_t n3) {
-    pattern built = build(n1, n2, n3);
+    girih_pattern built = build(n1, n2, n3);
     // ring and inner grid of the family `uniform`
     assert_int_equal((int64_t)built.triangle_count,
                      (int64_t)n1 * n1 - 3 * (int64_t)n1 + n1 + n2 + n3);
     assert_lawful_pattern(&built);
-    release(&built);
+    girih_pattern_free(&built);
 }
 
 // ARKFPI, equation 2: N distinct levels have N(N+1)(N+2)/6 base patterns of N^3, whatever the
@@ -134,7 +116,7 @@ static void test_uneven_laws(void **state) {
 static void test_edges_read_the_same_from_both_ends(void **state) {
     (void)state;
     for (uint32_t n = 2; n <= 128; n++) {
-        pattern built = build(n, 1, 1);
+        girih_pattern built = build(n, 1, 1);
         uint32_t previous = 0;
         for (uint32_t m = 1; m < n; m++) {
             uint32_t from_p1 = built.vertices[3 + m - 1] >> 16;
@@ -143,7 +125,7 @@ static void test_edges_read_the_same_from_both_ends(void **state) {
             assert_true(from_p1 > previous);
             previous = from_p1;
         }
-        release(&built);
+        girih_pattern_free(&built);
     }
 }
 
@@ -154,7 +136,7 @@ static void test_equal_levels_are_the_regular_grid(void **state) {
     for (uint32_t level = 0; level <= 6; level++) {
         uint32_t n = 1u << level;
         int32_t step = (int32_t)(GIRIH_BARYCENTRIC_ONE / n);
-        pattern built = build(n, n, n);
+        girih_pattern built = build(n, n, n);
         assert_int_equal(built.triangle_count, n * n);
         for (size_t index = 0; index < (size_t)built.triangle_count * 3; index++) {
             size_t next = index % 3 == 2 ? index - 2 : index + 1;
@@ -164,7 +146,7 @@ static void test_equal_levels_are_the_regular_grid(void **state) {
             int32_t dv = (int32_t)(a >> 16) - (int32_t)(b >> 16);
             assert_true(abs(du) <= step && abs(dv) <= step && abs(du + dv) <= step);
         }
-        release(&built);
+        girih_pattern_free(&built);
     }
 }
 
@@ -180,7 +162,7 @@ static int compare_positions(const void *a, const void *b) {
 
 // Triangles by the sorted positions of their corners, in sorted order; mirrored at the axis through
 // the corner `fixed` where that is not -1.
-static uint32_t (*triangle_keys(const pattern *built, int fixed))[3] {
+static uint32_t (*triangle_keys(const girih_pattern *built, int fixed))[3] {
     uint32_t(*keys)[3] = malloc(built->triangle_count * sizeof *keys);
     assert_non_null(keys);
     for (size_t n = 0; n < built->triangle_count; n++) {
@@ -206,7 +188,7 @@ static void test_equal_edges_are_stitched_alike(void **state) {
                 if (i != j && j != k) {
                     continue;
                 }
-                pattern built = build(1u << i, 1u << j, 1u << k);
+                girih_pattern built = build(1u << i, 1u << j, 1u << k);
                 uint32_t(*keys)[3] = triangle_keys(&built, -1);
                 uint32_t(*mirrored)[3] = triangle_keys(&built, i == j ? 1 : 2);
                 uint32_t alone = 0;
@@ -217,7 +199,7 @@ static void test_equal_edges_are_stitched_alike(void **state) {
                 assert_true(alone <= 2);
                 free(keys);
                 free(mirrored);
-                release(&built);
+                girih_pattern_free(&built);
             }
         }
     }
@@ -225,17 +207,17 @@ static void test_equal_edges_are_stitched_alike(void **state) {
 
 static void test_same_pattern_twice(void **state) {
     (void)state;
-    pattern first = build(11, 7, 3);
-    pattern second = build(11, 7, 3);
+    girih_pattern first = build(11, 7, 3);
+    girih_pattern second = build(11, 7, 3);
     assert_memory_equal(first.vertices, second.vertices,
                         first.vertex_count * sizeof *first.vertices);
     assert_memory_equal(first.indices, second.indices,
                         (size_t)first.triangle_count * 3 * sizeof *first.indices);
-    release(&first);
-    release(&second);
+    girih_pattern_free(&first);
+    girih_pattern_free(&second);
 }
 
-static void assert_broken(const pattern *built, const char *law) {
+static void assert_broken(const girih_pattern *built, const char *law) {
     girih_error error = {.message = ""};
     assert_int_equal(check(built, &error), GIRIH_ERROR_INVALID_DATA);
     assert_non_null(strstr(error.message, law));
@@ -244,7 +226,7 @@ static void assert_broken(const pattern *built, const char *law) {
 // The laws are worth what they refuse.
 static void test_broken_patterns_are_refused(void **state) {
     (void)state;
-    pattern built = build(8, 4, 1);
+    girih_pattern built = build(8, 4, 1);
     uint32_t kept = built.vertices[3];
     built.vertices[3] += 1;
     assert_broken(&built, "border vertex");
@@ -277,17 +259,17 @@ static void test_broken_patterns_are_refused(void **state) {
     built.indices[0] = kept;
 
     assert_lawful_pattern(&built);
-    release(&built);
+    girih_pattern_free(&built);
 
     // Edge 1 in two segments (its middle is vertex 3), and vertex 4 inside.
     const uint32_t one = GIRIH_BARYCENTRIC_ONE;
     uint32_t vertices[] = {one, one << 16, 0, one / 2 | one / 2 << 16, one / 4 | one / 4 << 16};
     uint32_t sound[] = {0, 3, 4, 3, 1, 4, 1, 2, 4, 2, 0, 4};
-    pattern small = {.segments = {2, 1, 1},
-                     .vertex_count = 5,
-                     .triangle_count = 4,
-                     .vertices = vertices,
-                     .indices = sound};
+    girih_pattern small = {.segments = {2, 1, 1},
+                           .vertex_count = 5,
+                           .triangle_count = 4,
+                           .vertices = vertices,
+                           .indices = sound};
     assert_lawful_pattern(&small);
 
     // The border's middle left out.

@@ -21,7 +21,7 @@ extern "C" {
 #define GIRIH_BARYCENTRIC_ONE 32768u
 
 #define GIRIH_CATALOGUE_MAGIC 0x4150544948524947ull // "GIRIHPAT" read as a little-endian integer
-#define GIRIH_CATALOGUE_VERSION 1u
+#define GIRIH_CATALOGUE_VERSION 2u
 
 typedef enum girih_spacing {
     GIRIH_SPACING_DYADIC = 0, // level l splits an edge into 2^l segments
@@ -35,7 +35,7 @@ typedef enum girih_spacing {
 // P1, P2, P3.
 typedef struct girih_base_pattern {
     uint8_t levels[3];    // i, j, k: levels from 0 in either spacing
-    uint8_t index_bytes;  // 2, or 4 where the pattern has more than 65,536 vertices
+    uint8_t index_bytes;  // 1, where there are more than 256 vertices 2, more than 65,536 4
     uint32_t segments[3]; // segments of the edges 1, 2, 3
     uint32_t vertex_count;
     uint32_t triangle_count;
@@ -59,7 +59,7 @@ typedef struct girih_catalogue {
     uint64_t triangle_count; // of all patterns together
     uint64_t pattern_offset; // girih_base_pattern[pattern_count], in the order of their rank
     uint64_t vertex_offset;  // uint32_t[vertex_count]: u | v << 16, w = 32768 - u - v
-    char family[16];         // zero-terminated, "uniform"
+    char family[16];         // zero-terminated name, as "uniform"
 } girih_catalogue;
 
 // Checks a catalogue in memory and returns it as a view of the same bytes in *catalogue: size,
