@@ -20,6 +20,9 @@ struct girih_family {
 // The grid of the largest segment count inside, one ring of triangles stitched to the borders.
 extern const girih_family girih_family_uniform;
 
+// Graded from border to border, optimised for the smallest angle.
+extern const girih_family girih_family_optimal;
+
 // The family of that name, NULL where there is none.
 const girih_family *girih_family_find(const char *name);
 

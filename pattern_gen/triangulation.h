@@ -1,0 +1,89 @@
+// A triangulation of the whole that is worked on: vertices move, edges flip, vertices come and go. Where two of the
+// whole's edges are split alike it is mirror-symmetric, and every change happens on both sides of the axis at once.
+#ifndef GIRIH_PATTERN_GEN_TRIANGULATION_H
+#define GIRIH_PATTERN_GEN_TRIANGULATION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "pattern.h"
+
+#define GIRIH_NO_TRIANGLE UINT32_MAX
+
+// Barycentric weights: whole numbers that add up to 32768, in doubles, which hold all of their products exactly. So
+// what is computed for one side of an axis is what is computed for the other, and the same on every machine.
+typedef struct girih_point {
+    double weights[3];
+} girih_point;
+
+typedef struct girih_corner_triangle {
+    uint32_t vertices[3];
+    uint32_t neighbours[3]; // across the edge from vertex n to n + 1, or GIRIH_NO_TRIANGLE
+} girih_corner_triangle;
+
+typedef struct girih_triangulation {
+    uint32_t segments[3];
+    int symmetry_corner;     // on the axis, or -1
+    uint32_t border_count;   // the first points, which never move
+    uint32_t capacity;       // of points; triangles fewer than twice as many
+    uint32_t point_count;
+    uint32_t triangle_count;
+    uint32_t power;          // of the energy, a power of two from 4 on
+    girih_point *points;
+    uint32_t *mirrors;       // the point on the other side of the axis: itself on the axis, or without one
+    uint32_t *incident;      // a triangle at each point
+    double *steps;           // how far each point was last moved
+    girih_corner_triangle *triangles;
+    uint32_t *around;        // scratch: the triangles around a point
+} girih_triangulation;
+
+// Room for inner_capacity points inside; one of them, in the middle, joined to all of the border. To be freed also
+// where it fails.
+girih_result girih_triangulation_create(girih_triangulation *t, const uint32_t segments[3], uint32_t inner_capacity,
+                                        girih_error *error);
+
+void girih_triangulation_free(girih_triangulation *t);
+
+// From one to another that was made for the same pattern.
+void girih_triangulation_copy(girih_triangulation *to, const girih_triangulation *from);
+
+// The larger of a triangle's cotangents, times sqrt(3): 1 for an equilateral one; infinite where it has no area or is
+// turned over.
+double girih_triangle_flatness(const girih_triangulation *t, uint32_t triangle);
+
+// Sum over a triangle's angles of (sqrt(3) cotangent)^power: the larger the power, the more the smallest angle counts.
+double girih_triangle_energy(const girih_triangulation *t, uint32_t triangle);
+
+// Of all triangles together.
+double girih_triangulation_energy(const girih_triangulation *t);
+
+// The flattest triangle's flatness and, where not NULL, its number.
+double girih_triangulation_flatness(const girih_triangulation *t, uint32_t *triangle);
+
+// Flips an edge and its mirror image where that lowers the energy. False where nothing was flipped.
+bool girih_triangulation_flip(girih_triangulation *t, uint32_t triangle, uint32_t edge);
+
+// Flips all edges that can be until none is left that should.
+void girih_triangulation_flip_all(girih_triangulation *t);
+
+// Puts a point into the middle of an inner edge, and another into its mirror image; where both are edges of one
+// triangle, one point into that triangle. False, with nothing done, where there is no room.
+bool girih_triangulation_split(girih_triangulation *t, uint32_t triangle, uint32_t edge);
+
+// Takes an inner point and its mirror image out. False where that cannot be done; the triangulation is then valid
+// still, but may have been changed.
+bool girih_triangulation_remove(girih_triangulation *t, uint32_t point);
+
+// Looks for a place of less energy one step from a point, and moves it and its mirror image there, flipping edges
+// around it; its steps get longer while it moves, shorter where it cannot. A point whose step is below `smallest` (in
+// units of the weights) rests until a neighbour moves by more. False where it did not move.
+bool girih_triangulation_move(girih_triangulation *t, uint32_t point, double smallest);
+
+// Sets a point to a place, or to the place on the axis next to it, and its mirror image; false, with nothing changed,
+// where that would turn a triangle over.
+bool girih_triangulation_set(girih_triangulation *t, uint32_t point, girih_point place);
+
+// Collects the triangles around a point in t->around and returns their number.
+uint32_t girih_triangulation_star(const girih_triangulation *t, uint32_t point);
+
+#endif
