@@ -2,6 +2,7 @@
 #ifndef GIRIH_PATTERN_GEN_FAMILY_H
 #define GIRIH_PATTERN_GEN_FAMILY_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "pattern.h"
@@ -10,6 +11,7 @@ typedef struct girih_family girih_family;
 struct girih_family {
     const char *name;    // at most 15 bytes, as the catalogue's header stores it
     const char *summary; // for --help
+    bool collapses;      // its triangles may have a corner twice, and then no area
     // Makes the pattern of these segments, the first the largest; its triangles in no particular order. Called by
     // several threads at once. What it leaves in *pattern is to be freed also where it fails.
     girih_result (*build)(const girih_family *family, const uint32_t segments[3], girih_pattern *pattern,

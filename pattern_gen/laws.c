@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "error.h"
+#include "family.h"
 
 // A directed edge of a triangle, by its end points.
 typedef struct directed_edge {
@@ -200,36 +201,82 @@ static girih_result check_edges(const pattern_view *pattern, girih_error *error)
     return result;
 }
 
-girih_result girih_laws_check_pattern(const uint32_t segments[3], const uint32_t *vertices,
-                                      uint32_t vertex_count, const uint32_t *indices,
-                                      uint32_t triangle_count, girih_error *error) {
-    const pattern_view pattern = {segments, vertices, indices, vertex_count, triangle_count};
-    if (vertex_count < segments[0] + segments[1] + segments[2]) {
-        return broken(error, &pattern, "too few vertices for its borders", vertex_count);
+static girih_result check_all(const pattern_view *pattern, girih_error *error) {
+    const uint32_t *segments = pattern->segments;
+    if (pattern->vertex_count < segments[0] + segments[1] + segments[2]) {
+        return broken(error, pattern, "too few vertices for its borders", pattern->vertex_count);
     }
-    if (triangle_count == 0) {
-        return broken(error, &pattern, "no triangles", 0);
+    if (pattern->triangle_count == 0) {
+        return broken(error, pattern, "no triangles", 0);
     }
-    for (size_t n = 0; n < (size_t)triangle_count * 3; n++) {
-        if (indices[n] >= vertex_count) {
-            return broken(error, &pattern, "an index beyond its vertices", (uint32_t)(n / 3));
+    for (size_t n = 0; n < (size_t)pattern->triangle_count * 3; n++) {
+        if (pattern->indices[n] >= pattern->vertex_count) {
+            return broken(error, pattern, "an index beyond its vertices", (uint32_t)(n / 3));
         }
     }
-    girih_result result = check_borders(&pattern, error);
+    girih_result result = check_borders(pattern, error);
     if (result == GIRIH_OK) {
-        result = check_vertices(&pattern, error);
+        result = check_vertices(pattern, error);
     }
     if (result == GIRIH_OK) {
-        result = check_areas(&pattern, error);
+        result = check_areas(pattern, error);
     }
     if (result == GIRIH_OK) {
-        result = check_edges(&pattern, error);
+        result = check_edges(pattern, error);
     }
     return result;
 }
 
+static bool is_collapsed(uint32_t a, uint32_t b, uint32_t c) {
+    return a == b || b == c || c == a;
+}
+
+// The edges of a triangle with a corner twice are one edge to and fro, so it joins nothing that the
+// others do not join without it.
+static girih_result check_without_collapsed(const pattern_view *pattern, girih_error *error) {
+    uint32_t *kept = calloc((size_t)pattern->triangle_count * 3, sizeof *kept);
+    if (!kept) {
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory for %" PRIu32 " triangles",
+                          pattern->triangle_count);
+    }
+    pattern_view others = *pattern;
+    others.indices = kept;
+    others.triangle_count = 0;
+    for (uint32_t n = 0; n < pattern->triangle_count; n++) {
+        const uint32_t *corners = pattern->indices + 3 * (size_t)n;
+        if (!is_collapsed(corners[0], corners[1], corners[2])) {
+            memcpy(kept + 3 * (size_t)others.triangle_count++, corners, 3 * sizeof *corners);
+        }
+    }
+    girih_result result = check_all(&others, error);
+    free(kept);
+    return result;
+}
+
+girih_result girih_laws_check_pattern(const uint32_t segments[3], const uint32_t *vertices,
+                                      uint32_t vertex_count, const uint32_t *indices,
+                                      uint32_t triangle_count, bool collapses, girih_error *error) {
+    const pattern_view pattern = {segments, vertices, indices, vertex_count, triangle_count};
+    return collapses ? check_without_collapsed(&pattern, error) : check_all(&pattern, error);
+}
+
+uint64_t girih_laws_count_degenerate(const girih_catalogue *catalogue) {
+    uint64_t count = 0;
+    for (uint32_t rank = 0; rank < catalogue->pattern_count; rank++) {
+        const girih_base_pattern *pattern = girih_catalogue_pattern(catalogue, rank);
+        for (uint32_t n = 0; n < pattern->triangle_count * 3; n += 3) {
+            count += is_collapsed(girih_catalogue_index(catalogue, pattern, n),
+                                  girih_catalogue_index(catalogue, pattern, n + 1),
+                                  girih_catalogue_index(catalogue, pattern, n + 2));
+        }
+    }
+    return count;
+}
+
 girih_result girih_laws_check_catalogue(const girih_catalogue *catalogue, girih_error *error) {
     bool uniform = strcmp(catalogue->family, "uniform") == 0;
+    const girih_family *family = girih_family_find(catalogue->family);
+    bool collapses = family && family->collapses;
     girih_result result = GIRIH_OK;
     for (uint32_t rank = 0; rank < catalogue->pattern_count && result == GIRIH_OK; rank++) {
         const girih_base_pattern *pattern = girih_catalogue_pattern(catalogue, rank);
@@ -253,7 +300,7 @@ girih_result girih_laws_check_catalogue(const girih_catalogue *catalogue, girih_
         }
         result = girih_laws_check_pattern(
             segments, girih_catalogue_vertices(catalogue, pattern), pattern->vertex_count, indices,
-            pattern->triangle_count, error);
+            pattern->triangle_count, collapses, error);
         free(indices);
     }
     return result;

@@ -5,6 +5,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -224,11 +225,13 @@ static int run_check(const arguments *arguments) {
     }
     girih_result result = girih_laws_check_catalogue(mapped.catalogue, &error);
     uint32_t count = mapped.catalogue->pattern_count;
+    uint64_t degenerate = girih_laws_count_degenerate(mapped.catalogue);
     close_catalogue(&mapped);
     if (result != GIRIH_OK) {
         return failed(arguments, arguments->file, &error);
     }
-    printf("%s: %u base patterns, every law holds\n", arguments->file, count);
+    printf("%s: %u base patterns, every law holds; %" PRIu64 " degenerate triangles\n",
+           arguments->file, count, degenerate);
     return finish_output(arguments);
 }
 
@@ -305,7 +308,8 @@ static const command commands[] = {
      json_options, run_dump},
     {"check", "FILE",
      "Check every law of a catalogue: distinct vertices, exact borders, positive areas that add up "
-     "to the whole, every inner edge shared by two triangles.\v"
+     "to the whole, every inner edge shared by two triangles. Degenerate triangles, which have a corner "
+     "twice, are counted; only the family semiuniform may have them.\v"
      "Examples:\n"
      "  girih-patterns check dyadic.gpat\n",
      no_options, run_check},

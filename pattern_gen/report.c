@@ -7,9 +7,10 @@
 #include <jansson.h>
 
 #include "error.h"
+#include "laws.h"
 
 typedef struct angles {
-    double mean;  // of the patterns' smallest angles
+    double mean;  // of the patterns' smallest angles, in triangles with area
     double worst; // the smallest angle of all
     const girih_base_pattern *worst_pattern;
 } angles;
@@ -52,7 +53,7 @@ static double smallest_angle(const uint32_t corners[3]) {
 }
 
 static angles measure(const girih_catalogue *catalogue) {
-    angles found = {.worst = 360};
+    angles found = {.worst = 360, .worst_pattern = girih_catalogue_pattern(catalogue, 0)};
     for (uint32_t rank = 0; rank < catalogue->pattern_count; rank++) {
         const girih_base_pattern *pattern = girih_catalogue_pattern(catalogue, rank);
         const uint32_t *vertices = girih_catalogue_vertices(catalogue, pattern);
@@ -63,7 +64,9 @@ static angles measure(const girih_catalogue *catalogue) {
                 corners[corner] =
                     vertices[girih_catalogue_index(catalogue, pattern, 3 * n + corner)];
             }
-            double angle = smallest_angle(corners);
+            bool collapsed = corners[0] == corners[1] || corners[1] == corners[2] ||
+                             corners[2] == corners[0];
+            double angle = collapsed ? smallest : smallest_angle(corners);
             smallest = angle < smallest ? angle : smallest;
         }
         found.mean += smallest;
@@ -91,7 +94,9 @@ girih_result girih_report_info(const girih_catalogue *catalogue, bool json, FILE
         worst[edge] = printed_level(catalogue, found.worst_pattern, edge);
     }
     uint64_t levels = catalogue->level_count;
+    uint64_t degenerate = girih_laws_count_degenerate(catalogue);
     if (!json) {
+        const char *measured = degenerate > 0 ? ", in triangles with area" : "";
         fprintf(stream,
                 "spacing            %s\n"
                 "max                %" PRIu32 "\n"
@@ -100,22 +105,24 @@ girih_result girih_report_info(const girih_catalogue *catalogue, bool json, FILE
                 "adaptive patterns  %" PRIu64 "\n"
                 "vertices           %" PRIu64 "\n"
                 "triangles          %" PRIu64 "\n"
+                "degenerate         %" PRIu64 " triangles\n"
                 "bytes              %" PRIu64 "\n"
-                "mean min angle     %.2f degrees, of the patterns' smallest\n"
-                "worst min angle    %.2f degrees\n"
+                "mean min angle     %.2f degrees, of the patterns' smallest%s\n"
+                "worst min angle    %.2f degrees%s\n"
                 "worst pattern      [%u,%u,%u]\n",
                 spacing_name(catalogue), catalogue->max, catalogue->family,
                 catalogue->pattern_count, levels * levels * levels, catalogue->vertex_count,
-                catalogue->triangle_count, catalogue->bytes, found.mean, found.worst, worst[0],
-                worst[1], worst[2]);
+                catalogue->triangle_count, degenerate, catalogue->bytes, found.mean, measured,
+                found.worst, measured, worst[0], worst[1], worst[2]);
         return GIRIH_OK;
     }
     json_t *object = json_pack(
-        "{s:s, s:I, s:s, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:[iii]}", "spacing",
+        "{s:s, s:I, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:[iii]}", "spacing",
         spacing_name(catalogue), "max", (json_int_t)catalogue->max, "family", catalogue->family,
         "base_patterns", (json_int_t)catalogue->pattern_count, "adaptive_patterns",
         (json_int_t)(levels * levels * levels), "vertices", (json_int_t)catalogue->vertex_count,
-        "triangles", (json_int_t)catalogue->triangle_count, "bytes", (json_int_t)catalogue->bytes,
+        "triangles", (json_int_t)catalogue->triangle_count, "degenerate_triangles",
+        (json_int_t)degenerate, "bytes", (json_int_t)catalogue->bytes,
         "mean_min_angle", found.mean, "worst_min_angle", found.worst, "worst_pattern",
         (int)worst[0], (int)worst[1], (int)worst[2]);
     if (!object) {

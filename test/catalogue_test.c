@@ -308,12 +308,13 @@ static void test_json(void **state) {
     block linear = generate(GIRIH_SPACING_LINEAR, 10);
     const girih_catalogue *catalogue = linear.bytes;
     json_t *info = printed(print_info, catalogue);
-    assert_int_equal(json_object_size(info), 11);
+    assert_int_equal(json_object_size(info), 12);
     assert_string_equal(json_string_value(json_object_get(info, "spacing")), "linear");
     assert_string_equal(json_string_value(json_object_get(info, "family")), "uniform");
     assert_int_equal(integer(info, "max"), 10);
     assert_int_equal(integer(info, "base_patterns"), 220);
     assert_int_equal(integer(info, "adaptive_patterns"), 1000);
+    assert_int_equal(integer(info, "degenerate_triangles"), 0);
     assert_int_equal(integer(info, "bytes"), linear.size);
     double mean = json_real_value(json_object_get(info, "mean_min_angle"));
     double worst = json_real_value(json_object_get(info, "worst_min_angle"));

@@ -26,7 +26,7 @@ static girih_pattern build(uint32_t n1, uint32_t n2, uint32_t n3) {
 
 static girih_result check(const girih_pattern *built, girih_error *error) {
     return girih_laws_check_pattern(built->segments, built->vertices, built->vertex_count,
-                                    built->indices, built->triangle_count, error);
+                                    built->indices, built->triangle_count, false, error);
 }
 
 static void assert_lawful_pattern(const girih_pattern *built) {
