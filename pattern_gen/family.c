@@ -7,7 +7,12 @@
 
 #include "error.h"
 
-static const girih_family *const families[] = {&girih_family_optimal, &girih_family_uniform};
+static const girih_family *const families[] = {
+    &girih_family_optimal,
+    &girih_family_uniform,
+    &girih_family_quadtri,
+    &girih_family_semiuniform,
+};
 
 const girih_family *girih_family_at(uint32_t n) {
     return n < sizeof families / sizeof *families ? families[n] : NULL;

@@ -24,6 +24,11 @@ extern const girih_family girih_family_uniform;
 
 // Graded from border to border, optimised for the smallest angle.
 extern const girih_family girih_family_optimal;
+// A uniform grid at the tip, a quad part semi-uniform along one axis below it.
+extern const girih_family girih_family_quadtri;
+
+// The grid of the largest segment count, its border vertices snapped to those of the edges.
+extern const girih_family girih_family_semiuniform;
 
 // The family of that name, NULL where there is none.
 const girih_family *girih_family_find(const char *name);

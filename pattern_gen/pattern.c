@@ -8,6 +8,21 @@ uint32_t girih_pack_vertex(uint32_t u, uint32_t v) {
     return u | v << 16;
 }
 
+uint32_t girih_pack_beside(uint32_t corner, uint32_t next, uint32_t last) {
+    uint32_t weights[3];
+    weights[corner] = GIRIH_BARYCENTRIC_ONE - next - last;
+    weights[(corner + 1) % 3] = next;
+    weights[(corner + 2) % 3] = last;
+    return girih_pack_vertex(weights[0], weights[1]);
+}
+
+uint32_t girih_snap(uint32_t m, uint32_t many, uint32_t few) {
+    if (2 * m > many) {
+        return few - girih_snap(many - m, many, few);
+    }
+    return (2 * m * few + many - 1) / (2 * many);
+}
+
 uint32_t girih_edge_parameter(uint32_t m, uint32_t n) {
     if (2 * m > n) {
         return GIRIH_BARYCENTRIC_ONE - girih_edge_parameter(n - m, n);

@@ -34,6 +34,14 @@ uint32_t girih_border_count(const uint32_t segments[3]);
 
 uint32_t girih_pack_vertex(uint32_t u, uint32_t v);
 
+// A vertex by the weights of the two corners after `corner`, which gets the rest: with the corner on the axis of
+// symmetry, the two sides of a pattern round alike.
+uint32_t girih_pack_beside(uint32_t corner, uint32_t next, uint32_t last);
+
+// Which of `few` segments' vertices is nearest to vertex m of `many`, at least as many. A tie goes to the nearer end, so
+// that both halves snap alike; the vertex in the middle of all goes to the first half.
+uint32_t girih_snap(uint32_t m, uint32_t many, uint32_t few);
+
 // The corner on the axis of symmetry of a pattern with two equal segment counts; -1 with three different ones.
 int girih_symmetry_corner(const uint32_t segments[3]);
 

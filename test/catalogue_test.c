@@ -40,19 +40,22 @@ static block read_file(const char *path) {
     return read;
 }
 
-static block generate(girih_spacing spacing, uint32_t max) {
+static block generate_family(const girih_family *family, girih_spacing spacing, uint32_t max) {
     char path[] = P_tmpdir "/girih_catalogue_XXXXXX";
     int file = mkstemp(path);
     assert_true(file >= 0);
     close(file);
     girih_error error = {.message = ""};
-    girih_result result =
-        girih_catalogue_write(&girih_family_uniform, spacing, max, path, NULL, &error);
+    girih_result result = girih_catalogue_write(family, spacing, max, path, NULL, &error);
     assert_string_equal(error.message, "");
     assert_int_equal(result, GIRIH_OK);
     block read = read_file(path);
     unlink(path);
     return read;
+}
+
+static block generate(girih_spacing spacing, uint32_t max) {
+    return generate_family(&girih_family_uniform, spacing, max);
 }
 
 static void assert_lawful(const void *bytes, size_t size) {
@@ -361,6 +364,36 @@ static void test_json(void **state) {
     free(linear.bytes);
 }
 
+// Triangles without area are drawn, so they are counted, but no angle is measured in them.
+static void test_degenerate_triangles_are_counted(void **state) {
+    (void)state;
+    block linear = generate_family(&girih_family_semiuniform, GIRIH_SPACING_LINEAR, 6);
+    assert_lawful(linear.bytes, linear.size);
+    uint64_t expected = 0;
+    for (uint32_t i = 1; i <= 6; i++) {
+        for (uint32_t j = 1; j <= i; j++) {
+            for (uint32_t k = 1; k <= j; k++) {
+                expected += 2 * i - j - k;
+            }
+        }
+    }
+    assert_int_equal(girih_laws_count_degenerate(linear.bytes), expected);
+    json_t *info = printed(print_info, linear.bytes);
+    assert_int_equal(integer(info, "degenerate_triangles"), expected);
+    assert_true(json_real_value(json_object_get(info, "worst_min_angle")) > 1);
+    json_decref(info);
+
+    // The family's name decides: no other may have them.
+    girih_catalogue *header = linear.bytes;
+    girih_error error;
+    memcpy(header->family, "uniform", sizeof "uniform");
+    assert_int_equal(girih_laws_check_catalogue(header, &error), GIRIH_ERROR_INVALID_DATA);
+    memcpy(header->family, "penrose", sizeof "penrose");
+    assert_int_equal(girih_laws_check_catalogue(header, &error), GIRIH_ERROR_INVALID_DATA);
+    assert_non_null(strstr(error.message, "degenerate"));
+    free(linear.bytes);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_built_ins),
@@ -374,6 +407,7 @@ int main(void) {
         cmocka_unit_test(test_truncation_is_refused),
         cmocka_unit_test(test_forged_catalogues_are_safe),
         cmocka_unit_test(test_json),
+        cmocka_unit_test(test_degenerate_triangles_are_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
