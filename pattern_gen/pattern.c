@@ -1,6 +1,7 @@
 #include "pattern.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "error.h"
 
@@ -80,6 +81,21 @@ girih_result girih_pattern_allocate(girih_pattern *pattern, const uint32_t segme
     }
     place_border(pattern);
     return GIRIH_OK;
+}
+
+girih_result girih_pattern_read(const girih_catalogue *catalogue, uint32_t rank, girih_pattern *pattern,
+                                girih_error *error) {
+    const girih_base_pattern *entry = girih_catalogue_pattern(catalogue, rank);
+    girih_result result =
+        girih_pattern_allocate(pattern, entry->segments, entry->vertex_count, entry->triangle_count, error);
+    if (result == GIRIH_OK) {
+        memcpy(pattern->vertices, girih_catalogue_vertices(catalogue, entry),
+               entry->vertex_count * sizeof *pattern->vertices);
+        for (uint32_t n = 0; n < entry->triangle_count * 3; n++) {
+            pattern->indices[n] = girih_catalogue_index(catalogue, entry, n);
+        }
+    }
+    return result;
 }
 
 void girih_pattern_free(girih_pattern *pattern) {

@@ -6,6 +6,9 @@
 
 #include "girih/catalogue.h"
 
+// Called after each pattern, by one thread at a time; may be NULL.
+typedef void girih_progress(uint32_t done, uint32_t all);
+
 // Vertices are packed u | v << 16 and lie in the order of girih_base_pattern; three indices a triangle, which winds
 // as P1, P2, P3.
 typedef struct girih_pattern {
@@ -19,6 +22,10 @@ typedef struct girih_pattern {
 // Room for so many vertices and triangles, the border's vertices in their places. To be freed also where it fails.
 girih_result girih_pattern_allocate(girih_pattern *pattern, const uint32_t segments[3], uint32_t vertex_count,
                                     uint32_t triangle_count, girih_error *error);
+
+// A copy of a catalogue's pattern. To be freed also where it fails.
+girih_result girih_pattern_read(const girih_catalogue *catalogue, uint32_t rank, girih_pattern *pattern,
+                                girih_error *error);
 
 void girih_pattern_free(girih_pattern *pattern);
 

@@ -10,9 +10,6 @@
 #define GIRIH_LARGEST_DYADIC_LEVEL 12u
 #define GIRIH_LARGEST_LINEAR_COUNT 128u
 
-// Called after each pattern, by one thread at a time; may be NULL.
-typedef void girih_progress(uint32_t done, uint32_t all);
-
 // Writes the catalogue of dyadic levels 0..max or of linear counts 1..max. Patterns are built by as many threads as the
 // machine runs at once, and few of them are in memory. The same arguments give the same bytes.
 girih_result girih_catalogue_write(const girih_family *family, girih_spacing spacing, uint32_t max,

@@ -1,0 +1,339 @@
+#include "quality.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+#include "error.h"
+
+typedef struct point {
+    double x;
+    double y;
+} point;
+
+// An isosceles triangle: base from (-1/2, 0) to (1/2, 0), apex above the middle.
+typedef struct shape {
+    const char *name;
+    double height;
+} shape;
+
+static const shape shapes[GIRIH_SHAPE_COUNT] = {
+    [GIRIH_SHAPE_EQUILATERAL] = {"equilateral", 0.86602540378443864676},
+    [GIRIH_SHAPE_RIGHT] = {"right", 0.5},
+    [GIRIH_SHAPE_THIN] = {"thin", 10},
+    [GIRIH_SHAPE_OBTUSE] = {"obtuse", 0.28867513459481288225},
+};
+
+static const double one = GIRIH_BARYCENTRIC_ONE;
+static const double pi = 3.14159265358979323846;
+
+static double to_degrees(double radians) {
+    return radians * (180 / pi);
+}
+
+static double to_radians(double degrees) {
+    return degrees * (pi / 180);
+}
+
+const char *girih_shape_name(girih_shape shape) {
+    return shapes[shape].name;
+}
+
+// Where a vertex lies in a shape, in units of 1 / 32768 of the base.
+static point place(girih_shape shape, uint32_t apex, uint32_t vertex) {
+    const uint32_t u = vertex & 0xffff;
+    const uint32_t v = vertex >> 16;
+    const double weights[3] = {u, v, one - u - v};
+    const double left = weights[(apex + 1) % 3];
+    const double right = weights[(apex + 2) % 3];
+    return (point){(right - left) / 2, weights[apex] * shapes[shape].height};
+}
+
+// Twice the area in units of 1 / 32768^2 of the whole: without rounding, so that zero is zero.
+static int64_t doubled_area(const uint32_t vertices[3]) {
+    int64_t u[3];
+    int64_t v[3];
+    for (int n = 0; n < 3; n++) {
+        u[n] = vertices[n] & 0xffff;
+        v[n] = vertices[n] >> 16;
+    }
+    return llabs((u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]));
+}
+
+// The cotangent of the smallest angle: the largest of the three, which all have the doubled area as denominator.
+static double largest_cotangent(girih_shape shape, const point corners[3], int64_t area) {
+    double largest = -HUGE_VAL;
+    for (int n = 0; n < 3; n++) {
+        const point p = corners[n];
+        const point a = corners[(n + 1) % 3];
+        const point b = corners[(n + 2) % 3];
+        const double dot = (a.x - p.x) * (b.x - p.x) + (a.y - p.y) * (b.y - p.y);
+        largest = dot > largest ? dot : largest;
+    }
+    return largest / ((double)area * shapes[shape].height);
+}
+
+static double angle_of_cotangent(double cotangent) {
+    return to_degrees(atan2(1, cotangent));
+}
+
+double girih_quality_angle(girih_shape shape, uint32_t apex, const uint32_t vertices[3]) {
+    const int64_t area = doubled_area(vertices);
+    if (area == 0) {
+        return 0;
+    }
+    point corners[3];
+    for (int n = 0; n < 3; n++) {
+        corners[n] = place(shape, apex, vertices[n]);
+    }
+    return angle_of_cotangent(largest_cotangent(shape, corners, area));
+}
+
+double girih_quality_corner_bound(uint32_t a, uint32_t b) {
+    const double ratio = a > b ? (double)a / b : (double)b / a;
+    double best = 0;
+    // More triangles have narrower apexes, so none that is narrower than the best found can be better.
+    for (uint32_t k = 1; 60.0 / k > best; k++) {
+        const double apex = to_radians(60.0 / k);
+        const double growth = pow(ratio, 1.0 / k);
+        const double other = angle_of_cotangent((growth - cos(apex)) / sin(apex));
+        const double smallest = fmin(60.0 / k, other);
+        best = smallest > best ? smallest : best;
+    }
+    return best;
+}
+
+double girih_quality_bound(const uint32_t segments[3]) {
+    double least = 60;
+    for (int edge = 0; edge < 3; edge++) {
+        least = fmin(least, girih_quality_corner_bound(segments[edge], segments[(edge + 1) % 3]));
+    }
+    return least;
+}
+
+// Edge n lies across from the corner whose weight is its distance: P1P2 from P3, P2P3 from P1, P3P1 from P2.
+static double spacing(const double logarithms[3], const double weights[3]) {
+    // The inverse distances 1 / w, 1 / u, 1 / v, each times u v w: a border itself divides nothing by zero.
+    const double near[3] = {weights[0] * weights[1], weights[1] * weights[2], weights[2] * weights[0]};
+    double sum = 0;
+    double total = 0;
+    for (int edge = 0; edge < 3; edge++) {
+        sum += near[edge] * logarithms[edge];
+        total += near[edge];
+    }
+    return exp(-sum / total);
+}
+
+static void take_logarithms(const uint32_t segments[3], double logarithms[3]) {
+    for (int edge = 0; edge < 3; edge++) {
+        logarithms[edge] = log(segments[edge]);
+    }
+}
+
+double girih_quality_spacing(const uint32_t segments[3], const double weights[3]) {
+    double logarithms[3];
+    take_logarithms(segments, logarithms);
+    return spacing(logarithms, weights);
+}
+
+uint32_t girih_quality_cache_misses(const uint32_t *indices, uint32_t triangle_count, uint32_t *last) {
+    // Entries are numbered as they come in; a vertex is there while fewer than the cache's size came in after it.
+    uint32_t entered = GIRIH_CACHE_SIZE;
+    for (size_t n = 0; n < (size_t)triangle_count * 3; n++) {
+        uint32_t *entry = &last[indices[n]];
+        if (entered - *entry >= GIRIH_CACHE_SIZE) {
+            *entry = ++entered;
+        }
+    }
+    return entered - GIRIH_CACHE_SIZE;
+}
+
+static void corners_of(const girih_pattern *pattern, uint32_t triangle, uint32_t vertices[3]) {
+    for (size_t corner = 0; corner < 3; corner++) {
+        vertices[corner] = pattern->vertices[pattern->indices[(size_t)triangle * 3 + corner]];
+    }
+}
+
+static void measure_areas(const girih_pattern *pattern, girih_quality *quality) {
+    int64_t smallest = INT64_MAX;
+    int64_t largest = 0;
+    for (uint32_t n = 0; n < pattern->triangle_count; n++) {
+        uint32_t vertices[3];
+        corners_of(pattern, n, vertices);
+        const int64_t area = doubled_area(vertices);
+        if (area == 0) {
+            quality->degenerate++;
+            continue;
+        }
+        quality->measured++;
+        smallest = area < smallest ? area : smallest;
+        largest = area > largest ? area : largest;
+    }
+    quality->area_ratio = largest > 0 ? (double)smallest / (double)largest : 0;
+}
+
+// The smallest angle in a shape. `points` has room for every vertex.
+static double measure_angle(const girih_pattern *pattern, girih_shape shape, uint32_t apex, point *points) {
+    for (uint32_t n = 0; n < pattern->vertex_count; n++) {
+        points[n] = place(shape, apex, pattern->vertices[n]);
+    }
+    double largest = -HUGE_VAL;
+    for (uint32_t n = 0; n < pattern->triangle_count; n++) {
+        const uint32_t *index = &pattern->indices[(size_t)n * 3];
+        uint32_t vertices[3];
+        corners_of(pattern, n, vertices);
+        const int64_t area = doubled_area(vertices);
+        if (area > 0) {
+            const point corners[3] = {points[index[0]], points[index[1]], points[index[2]]};
+            largest = fmax(largest, largest_cotangent(shape, corners, area));
+        }
+    }
+    return largest > -HUGE_VAL ? angle_of_cotangent(largest) : 0;
+}
+
+static void measure_angles(const girih_pattern *pattern, point *points, girih_quality *quality) {
+    for (uint32_t n = 0; n < GIRIH_SHAPE_COUNT; n++) {
+        const girih_shape shape = (girih_shape)n;
+        quality->angles[n] = measure_angle(pattern, shape, 0, points);
+        for (uint32_t apex = 1; apex < 3 && shape != GIRIH_SHAPE_EQUILATERAL; apex++) {
+            quality->angles[n] = fmin(quality->angles[n], measure_angle(pattern, shape, apex, points));
+        }
+    }
+    for (uint32_t n = 0; n < pattern->triangle_count; n++) {
+        uint32_t vertices[3];
+        corners_of(pattern, n, vertices);
+        quality->angle_sum += girih_quality_angle(GIRIH_SHAPE_EQUILATERAL, 0, vertices);
+    }
+}
+
+// The length of an edge in units of the spacing at its middle, in an equilateral triangle; 0 for one on the border.
+static double edge_ratio(const double logarithms[3], uint32_t from, uint32_t to) {
+    const double a[3] = {from & 0xffff, from >> 16, one - (from & 0xffff) - (from >> 16)};
+    const double b[3] = {to & 0xffff, to >> 16, one - (to & 0xffff) - (to >> 16)};
+    double sums[3];
+    double squares = 0;
+    for (int n = 0; n < 3; n++) {
+        sums[n] = a[n] + b[n];
+        squares += (a[n] - b[n]) * (a[n] - b[n]);
+        if (sums[n] <= 0) {
+            return 0;
+        }
+    }
+    // Half the sum of the squared differences is the squared length in units of the side.
+    return sqrt(squares / 2) / one / spacing(logarithms, sums);
+}
+
+static void measure_edges(const girih_pattern *pattern, girih_quality *quality) {
+    double logarithms[3];
+    take_logarithms(pattern->segments, logarithms);
+    for (size_t n = 0; n < (size_t)pattern->triangle_count * 3; n++) {
+        const uint32_t from = pattern->indices[n];
+        const uint32_t to = pattern->indices[n % 3 == 2 ? n - 2 : n + 1];
+        // The other triangle has the same edge the other way.
+        const double ratio = from < to ? edge_ratio(logarithms, pattern->vertices[from], pattern->vertices[to]) : 0;
+        if (ratio > 0) {
+            quality->shortest = quality->shortest > 0 ? fmin(quality->shortest, ratio) : ratio;
+            quality->longest = fmax(quality->longest, ratio);
+        }
+    }
+}
+
+girih_result girih_quality_measure(const girih_pattern *pattern, girih_quality *quality, girih_error *error) {
+    *quality = (girih_quality){.bound = girih_quality_bound(pattern->segments)};
+    point *points = malloc(pattern->vertex_count * sizeof *points);
+    uint32_t *last = calloc(pattern->vertex_count, sizeof *last);
+    girih_result result = GIRIH_OK;
+    if (points && last) {
+        measure_areas(pattern, quality);
+        measure_angles(pattern, points, quality);
+        measure_edges(pattern, quality);
+        quality->cache_misses = girih_quality_cache_misses(pattern->indices, pattern->triangle_count, last);
+    } else {
+        result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory to measure %u vertices", pattern->vertex_count);
+    }
+    free(last);
+    free(points);
+    return result;
+}
+
+girih_result girih_quality_measure_catalogue(const girih_catalogue *catalogue, girih_quality *qualities,
+                                             girih_progress *progress, girih_error *error) {
+    girih_result result = GIRIH_OK;
+    for (uint32_t rank = 0; rank < catalogue->pattern_count && result == GIRIH_OK; rank++) {
+        girih_pattern pattern;
+        result = girih_pattern_read(catalogue, rank, &pattern, error);
+        if (result == GIRIH_OK) {
+            result = girih_quality_measure(&pattern, &qualities[rank], error);
+        }
+        girih_pattern_free(&pattern);
+        if (progress) {
+            progress(rank + 1, catalogue->pattern_count);
+        }
+    }
+    return result;
+}
+
+static uint32_t histogram_step(double angle) {
+    // An angle of just 30 degrees may have been rounded down.
+    const uint32_t step = (uint32_t)(angle / GIRIH_HISTOGRAM_STEP + 1e-9);
+    return step < GIRIH_HISTOGRAM_COUNT ? step : GIRIH_HISTOGRAM_COUNT - 1;
+}
+
+static void add_angles(girih_quality_totals *totals, uint32_t rank, const girih_quality *quality) {
+    if (quality->angles[GIRIH_SHAPE_EQUILATERAL] < totals->worst_angles[GIRIH_SHAPE_EQUILATERAL]) {
+        totals->worst_rank = rank;
+    }
+    for (int shape = 0; shape < GIRIH_SHAPE_COUNT; shape++) {
+        totals->mean_angles[shape] += quality->angles[shape];
+        totals->worst_angles[shape] = fmin(totals->worst_angles[shape], quality->angles[shape]);
+    }
+    totals->histogram[histogram_step(quality->angles[GIRIH_SHAPE_EQUILATERAL])]++;
+    totals->mean_bound += quality->bound;
+    totals->worst_bound = fmin(totals->worst_bound, quality->bound);
+}
+
+static void add_edges(girih_quality_totals *totals, const girih_quality *quality) {
+    if (quality->longest > 0) {
+        totals->shortest = totals->shortest > 0 ? fmin(totals->shortest, quality->shortest) : quality->shortest;
+        totals->longest = fmax(totals->longest, quality->longest);
+        totals->uneven += quality->shortest < GIRIH_SHORTEST_EVEN || quality->longest > GIRIH_LONGEST_EVEN;
+    }
+}
+
+static void add_cache(girih_quality_totals *totals, const girih_base_pattern *pattern, uint32_t rank,
+                      const girih_quality *quality) {
+    totals->cache_misses += quality->cache_misses;
+    const double misses = (double)quality->cache_misses / pattern->vertex_count;
+    if (pattern->triangle_count > GIRIH_CACHE_SMALL_PATTERN && misses > totals->worst_cache) {
+        totals->worst_cache = misses;
+        totals->worst_cache_rank = rank;
+    }
+}
+
+girih_quality_totals girih_quality_total(const girih_catalogue *catalogue, const girih_quality *qualities) {
+    girih_quality_totals totals = {.worst_bound = 60, .worst_area_ratio = 1};
+    for (int shape = 0; shape < GIRIH_SHAPE_COUNT; shape++) {
+        totals.worst_angles[shape] = HUGE_VAL;
+    }
+    double angle_sum = 0;
+    uint64_t measured = 0;
+    for (uint32_t rank = 0; rank < catalogue->pattern_count; rank++) {
+        const girih_quality *quality = &qualities[rank];
+        add_angles(&totals, rank, quality);
+        add_edges(&totals, quality);
+        add_cache(&totals, girih_catalogue_pattern(catalogue, rank), rank, quality);
+        totals.mean_area_ratio += quality->area_ratio;
+        totals.worst_area_ratio = fmin(totals.worst_area_ratio, quality->area_ratio);
+        totals.degenerate += quality->degenerate;
+        angle_sum += quality->angle_sum;
+        measured += quality->measured;
+    }
+    const double count = catalogue->pattern_count;
+    for (int shape = 0; shape < GIRIH_SHAPE_COUNT; shape++) {
+        totals.mean_angles[shape] /= count;
+    }
+    totals.mean_bound /= count;
+    totals.mean_area_ratio /= count;
+    totals.mean_triangle_angle = measured > 0 ? angle_sum / (double)measured : 0;
+    return totals;
+}
