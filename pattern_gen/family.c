@@ -30,6 +30,9 @@ const girih_family *girih_family_find(const char *name) {
 girih_result girih_pattern_build(const girih_family *family, const uint32_t segments[3], girih_pattern *pattern,
                                  girih_error *error) {
     girih_result result = family->build(family, segments, pattern, error);
+    if (family->ordered) {
+        return result;
+    }
     const size_t index_count = (size_t)pattern->triangle_count * 3;
     uint32_t *ordered = result == GIRIH_OK ? malloc(index_count * sizeof *ordered) : NULL;
     if (ordered) {

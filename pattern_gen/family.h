@@ -17,6 +17,7 @@ struct girih_family {
     girih_result (*build)(const girih_family *family, const uint32_t segments[3], girih_pattern *pattern,
                           girih_error *error);
     const void *data; // the family's own
+    bool ordered;     // its triangles come in the order to be drawn in, which is kept
 };
 
 // The grid of the largest segment count inside, one ring of triangles stitched to the borders.

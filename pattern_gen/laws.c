@@ -273,35 +273,32 @@ uint64_t girih_laws_count_degenerate(const girih_catalogue *catalogue) {
     return count;
 }
 
+girih_result girih_laws_check_built(const char *family, const girih_pattern *pattern,
+                                    girih_error *error) {
+    const uint32_t *segments = pattern->segments;
+    uint32_t expected = segments[0] * segments[0] - 3 * segments[0] + segments[0] + segments[1] +
+                        segments[2];
+    if (strcmp(family, "uniform") == 0 && pattern->triangle_count != expected) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
+                          "pattern of %" PRIu32 ", %" PRIu32 ", %" PRIu32 " segments: %" PRIu32
+                          " triangles, the family uniform has %" PRIu32,
+                          segments[0], segments[1], segments[2], pattern->triangle_count, expected);
+    }
+    const girih_family *known = girih_family_find(family);
+    return girih_laws_check_pattern(segments, pattern->vertices, pattern->vertex_count,
+                                    pattern->indices, pattern->triangle_count,
+                                    known && known->collapses, error);
+}
+
 girih_result girih_laws_check_catalogue(const girih_catalogue *catalogue, girih_error *error) {
-    bool uniform = strcmp(catalogue->family, "uniform") == 0;
-    const girih_family *family = girih_family_find(catalogue->family);
-    bool collapses = family && family->collapses;
     girih_result result = GIRIH_OK;
     for (uint32_t rank = 0; rank < catalogue->pattern_count && result == GIRIH_OK; rank++) {
-        const girih_base_pattern *pattern = girih_catalogue_pattern(catalogue, rank);
-        const uint32_t *segments = pattern->segments;
-        uint32_t expected = segments[0] * segments[0] - 3 * segments[0] + segments[0] +
-                            segments[1] + segments[2];
-        if (uniform && pattern->triangle_count != expected) {
-            return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
-                              "pattern of %" PRIu32 ", %" PRIu32 ", %" PRIu32 " segments: %" PRIu32
-                              " triangles, the family uniform has %" PRIu32,
-                              segments[0], segments[1], segments[2], pattern->triangle_count,
-                              expected);
+        girih_pattern pattern;
+        result = girih_pattern_read(catalogue, rank, &pattern, error);
+        if (result == GIRIH_OK) {
+            result = girih_laws_check_built(catalogue->family, &pattern, error);
         }
-        uint32_t *indices = malloc((size_t)pattern->triangle_count * 3 * sizeof *indices);
-        if (!indices) {
-            return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY,
-                              "no memory for %" PRIu32 " triangles", pattern->triangle_count);
-        }
-        for (uint32_t n = 0; n < pattern->triangle_count * 3; n++) {
-            indices[n] = girih_catalogue_index(catalogue, pattern, n);
-        }
-        result = girih_laws_check_pattern(
-            segments, girih_catalogue_vertices(catalogue, pattern), pattern->vertex_count, indices,
-            pattern->triangle_count, collapses, error);
-        free(indices);
+        girih_pattern_free(&pattern);
     }
     return result;
 }

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "girih/catalogue.h"
+#include "pattern.h"
 
 // Checks one pattern, in near linear time:
 // - its vertices begin with the corners and the edges' vertices, each exactly where it must be;
@@ -22,8 +22,12 @@ girih_result girih_laws_check_pattern(const uint32_t segments[3], const uint32_t
                                       uint32_t vertex_count, const uint32_t *indices,
                                       uint32_t triangle_count, bool collapses, girih_error *error);
 
-// Checks all patterns of an opened catalogue, of a family that is known by the family's laws; of the
-// family `uniform` the number of triangles too.
+// Checks one pattern of a family, of one that is known by the family's laws; of `uniform` the number of triangles
+// too.
+girih_result girih_laws_check_built(const char *family, const girih_pattern *pattern,
+                                    girih_error *error);
+
+// Checks all patterns of an opened catalogue, each as girih_laws_check_built does.
 girih_result girih_laws_check_catalogue(const girih_catalogue *catalogue, girih_error *error);
 
 // The triangles of all patterns that have a corner twice: in a lawful catalogue, those without area.

@@ -18,10 +18,12 @@
 #include "error.h"
 #include "family.h"
 #include "girih/catalogue.h"
+#include "import.h"
 #include "laws.h"
 #include "output.h"
 #include "permutation.h"
 #include "report.h"
+#include "sheet.h"
 #include "writer.h"
 
 enum { EXIT_WRONG_USE = 2 };
@@ -29,25 +31,38 @@ enum { EXIT_WRONG_USE = 2 };
 // What all subcommands' options are read into.
 typedef struct arguments {
     const char *program; // "girih-patterns generate"
-    bool takes_file;
-    const char *file;
+    uint32_t file_count; // how many it takes
+    uint32_t given;
+    const char *files[2];
     const char *output;
     const char *spacing;
     const char *max;
     const char *family;
     const char *symbol;
+    const char *patterns;
+    const char *columns;
     bool json;
+    bool verbose;
 } arguments;
 
 typedef struct command {
     const char *name;
     const char *usage; // the operands
+    uint32_t file_count;
     const char *text;  // what --help says: a summary, then \v and examples
     const struct argp_option *options;
     int (*run)(const arguments *arguments);
 } command;
 
-enum { OPTION_SPACING = 256, OPTION_MAX, OPTION_FAMILY, OPTION_NAME, OPTION_JSON };
+enum {
+    OPTION_SPACING = 256,
+    OPTION_MAX,
+    OPTION_FAMILY,
+    OPTION_NAME,
+    OPTION_JSON,
+    OPTION_PATTERNS,
+    OPTION_COLUMNS
+};
 
 #define OUTPUT_OPTION {"output", 'o', "FILE", 0, "The file to write", 0}
 #define JSON_OPTION {"json", OPTION_JSON, NULL, 0, "Print one JSON object", 0}
@@ -62,6 +77,17 @@ static const struct argp_option generate_options[] = {
     END_OF_OPTIONS,
 };
 static const struct argp_option json_options[] = {JSON_OPTION, END_OF_OPTIONS};
+static const struct argp_option info_options[] = {
+    JSON_OPTION,
+    {"verbose", 'v', NULL, 0, "Print a row for every pattern too; --json has them always", 0},
+    END_OF_OPTIONS,
+};
+static const struct argp_option sheet_options[] = {
+    OUTPUT_OPTION,
+    {"patterns", OPTION_PATTERNS, "I,J,K;...", 0, "Only these, levels as --max counts them", 0},
+    {"columns", OPTION_COLUMNS, "N", 0, "Patterns side by side", 0},
+    END_OF_OPTIONS,
+};
 static const struct argp_option no_options[] = {END_OF_OPTIONS};
 static const struct argp_option output_options[] = {OUTPUT_OPTION, END_OF_OPTIONS};
 static const struct argp_option embed_options[] = {
@@ -153,6 +179,12 @@ static void show_progress(uint32_t done, uint32_t all) {
     }
 }
 
+// One where the catalogue is so large that a person at a terminal waits for it.
+static girih_progress *progress_for(const girih_catalogue *catalogue) {
+    const uint64_t slow = 5000000;
+    return catalogue->triangle_count > slow ? show_progress : NULL;
+}
+
 // Reads a whole number that fits 32 bits.
 static bool read_number(const char *text, uint32_t *number) {
     if (!isdigit((unsigned char)text[0]) || strlen(text) > 9) {
@@ -196,42 +228,151 @@ static int run_generate(const arguments *arguments) {
 static int run_info(const arguments *arguments) {
     girih_error error;
     mapped_catalogue mapped;
-    if (open_catalogue(&mapped, arguments->file, &error) != GIRIH_OK) {
-        return failed(arguments, arguments->file, &error);
+    if (open_catalogue(&mapped, arguments->files[0], &error) != GIRIH_OK) {
+        return failed(arguments, arguments->files[0], &error);
     }
-    girih_result result =
-        girih_report_info(mapped.catalogue, arguments->json, stdout, &error);
+    girih_report_form form = arguments->json      ? GIRIH_REPORT_JSON
+                             : arguments->verbose ? GIRIH_REPORT_ROWS
+                                                  : GIRIH_REPORT_TEXT;
+    girih_result result = girih_report_info(mapped.catalogue, form, progress_for(mapped.catalogue),
+                                            stdout, &error);
     close_catalogue(&mapped);
     return result == GIRIH_OK ? finish_output(arguments)
-                              : failed(arguments, arguments->file, &error);
+                              : failed(arguments, arguments->files[0], &error);
+}
+
+static int run_compare(const arguments *arguments) {
+    girih_error error;
+    mapped_catalogue mapped[2];
+    girih_compared compared[2];
+    girih_progress *progress = NULL;
+    for (int n = 0; n < 2; n++) {
+        if (open_catalogue(&mapped[n], arguments->files[n], &error) != GIRIH_OK) {
+            int status = failed(arguments, arguments->files[n], &error);
+            if (n == 1) {
+                close_catalogue(&mapped[0]);
+            }
+            return status;
+        }
+        compared[n] = (girih_compared){arguments->files[n], mapped[n].catalogue};
+        progress = progress ? progress : progress_for(mapped[n].catalogue);
+    }
+    girih_result result = girih_report_compare(compared, arguments->json, progress, stdout, &error);
+    close_catalogue(&mapped[1]);
+    close_catalogue(&mapped[0]);
+    return result == GIRIH_OK ? finish_output(arguments) : failed(arguments, NULL, &error);
+}
+
+static int run_import(const arguments *arguments) {
+    if (!arguments->output) {
+        return wrong_use(arguments->program, "--output is needed");
+    }
+    girih_error error;
+    FILE *stream = fopen(arguments->files[0], "rbe");
+    if (!stream) {
+        girih_fail(&error, GIRIH_ERROR_INVALID_ARGUMENT, "%s", strerror(errno));
+        return failed(arguments, arguments->files[0], &error);
+    }
+    girih_import import;
+    girih_result result = girih_import_read(&import, stream, &error);
+    fclose(stream);
+    const char *where = arguments->files[0];
+    if (result == GIRIH_OK) {
+        where = NULL;
+        result = girih_catalogue_write(&import.family, import.spacing, import.max,
+                                       arguments->output, show_progress, &error);
+    }
+    girih_import_free(&import);
+    return result == GIRIH_OK ? EXIT_SUCCESS : failed(arguments, where, &error);
+}
+
+static girih_result draw_sheet(const arguments *arguments, const girih_sheet *sheet,
+                               const girih_catalogue *catalogue, girih_sheet_format format,
+                               girih_error *error) {
+    girih_pattern_output output;
+    girih_result result = girih_pattern_output_open(&output, arguments->output, error);
+    if (result != GIRIH_OK) {
+        return result;
+    }
+    result = girih_sheet_draw(sheet, catalogue, format, progress_for(catalogue), output.stream,
+                              error);
+    if (result != GIRIH_OK) {
+        girih_pattern_output_discard(&output);
+        return result;
+    }
+    return girih_pattern_output_commit(&output, error);
+}
+
+static bool ends_with(const char *text, const char *end) {
+    size_t length = strlen(text);
+    return length >= strlen(end) && strcmp(text + length - strlen(end), end) == 0;
+}
+
+static int run_sheet(const arguments *arguments) {
+    const char *program = arguments->program;
+    const char *path = arguments->output;
+    if (!path) {
+        return wrong_use(program, "--output is needed");
+    }
+    bool svg = ends_with(path, ".svg");
+    if (!svg && !ends_with(path, ".png")) {
+        return wrong_use(program, "--output ends in .svg or .png, unlike '%s'", path);
+    }
+    uint32_t columns = 0;
+    if (arguments->columns && (!read_number(arguments->columns, &columns) || columns == 0)) {
+        return wrong_use(program, "--columns is a number from 1, not '%s'", arguments->columns);
+    }
+    girih_error error;
+    mapped_catalogue mapped;
+    if (open_catalogue(&mapped, arguments->files[0], &error) != GIRIH_OK) {
+        return failed(arguments, arguments->files[0], &error);
+    }
+    girih_sheet sheet;
+    girih_result result =
+        girih_sheet_choose(&sheet, mapped.catalogue, arguments->patterns, &error);
+    bool wrong = result == GIRIH_ERROR_INVALID_ARGUMENT;
+    bool chosen = result == GIRIH_OK;
+    sheet.columns = columns;
+    if (chosen) {
+        result = draw_sheet(arguments, &sheet, mapped.catalogue,
+                            svg ? GIRIH_SHEET_SVG : GIRIH_SHEET_PNG, &error);
+    }
+    girih_sheet_free(&sheet);
+    close_catalogue(&mapped);
+    if (wrong) {
+        return wrong_use(program, "%s", error.message);
+    }
+    return result == GIRIH_OK ? EXIT_SUCCESS
+                              : failed(arguments, chosen ? NULL : arguments->files[0], &error);
 }
 
 static int run_dump(const arguments *arguments) {
     girih_error error;
     mapped_catalogue mapped;
-    if (open_catalogue(&mapped, arguments->file, &error) != GIRIH_OK) {
-        return failed(arguments, arguments->file, &error);
+    if (open_catalogue(&mapped, arguments->files[0], &error) != GIRIH_OK) {
+        return failed(arguments, arguments->files[0], &error);
     }
-    girih_report_dump(mapped.catalogue, arguments->json, stdout);
+    girih_result result = girih_report_dump(mapped.catalogue, arguments->json, stdout, &error);
     close_catalogue(&mapped);
-    return finish_output(arguments);
+    return result == GIRIH_OK ? finish_output(arguments)
+                              : failed(arguments, arguments->files[0], &error);
 }
 
 static int run_check(const arguments *arguments) {
     girih_error error;
     mapped_catalogue mapped;
-    if (open_catalogue(&mapped, arguments->file, &error) != GIRIH_OK) {
-        return failed(arguments, arguments->file, &error);
+    if (open_catalogue(&mapped, arguments->files[0], &error) != GIRIH_OK) {
+        return failed(arguments, arguments->files[0], &error);
     }
     girih_result result = girih_laws_check_catalogue(mapped.catalogue, &error);
     uint32_t count = mapped.catalogue->pattern_count;
     uint64_t degenerate = girih_laws_count_degenerate(mapped.catalogue);
     close_catalogue(&mapped);
     if (result != GIRIH_OK) {
-        return failed(arguments, arguments->file, &error);
+        return failed(arguments, arguments->files[0], &error);
     }
     printf("%s: %u base patterns, every law holds; %" PRIu64 " degenerate triangles\n",
-           arguments->file, count, degenerate);
+           arguments->files[0], count, degenerate);
     return finish_output(arguments);
 }
 
@@ -275,8 +416,8 @@ static int run_embed(const arguments *arguments) {
     }
     girih_error error;
     mapped_catalogue mapped;
-    if (open_catalogue(&mapped, arguments->file, &error) != GIRIH_OK) {
-        return failed(arguments, arguments->file, &error);
+    if (open_catalogue(&mapped, arguments->files[0], &error) != GIRIH_OK) {
+        return failed(arguments, arguments->files[0], &error);
     }
     girih_pattern_output output;
     girih_result result = girih_pattern_output_open(&output, arguments->output, &error);
@@ -289,36 +430,59 @@ static int run_embed(const arguments *arguments) {
 }
 
 static const command commands[] = {
-    {"generate", "",
+    {"generate", "", 0,
      "Generate a catalogue.\v"
      "Examples:\n"
      "  girih-patterns generate --spacing dyadic --max 6 -o dyadic.gpat\n"
      "  girih-patterns generate --spacing linear --max 16 -o linear.gpat\n",
      generate_options, run_generate},
-    {"info", "FILE",
-     "Print a catalogue's figures: patterns, sizes, angles.\v"
+    {"import", "FILE.json", 1,
+     "Make a catalogue of patterns from JSON, of the form that dump --json writes. Every law is "
+     "checked.\v"
+     "Patterns and their vertices may come in any order. All patterns up to \"max\" are needed.\n"
+     "\n"
+     "Examples:\n"
+     "  girih-patterns dump linear.gpat --json > linear.json\n"
+     "  girih-patterns import linear.json -o linear.gpat\n",
+     output_options, run_import},
+    {"info", "FILE", 1,
+     "Print a catalogue's figures: patterns, sizes, angles, spacing, vertex reuse.\v"
      "Examples:\n"
      "  girih-patterns info dyadic.gpat\n"
+     "  girih-patterns info dyadic.gpat --verbose\n"
      "  girih-patterns info dyadic.gpat --json\n",
-     json_options, run_info},
-    {"dump", "FILE",
+     info_options, run_info},
+    {"compare", "A B", 2,
+     "Print two catalogues' figures side by side, and which has the better pattern how often. "
+     "Patterns of the same segments are compared, whatever the maxima.\v"
+     "Examples:\n"
+     "  girih-patterns compare uniform.gpat other.gpat\n"
+     "  girih-patterns compare uniform.gpat other.gpat --json\n",
+     json_options, run_compare},
+    {"sheet", "FILE", 1,
+     "Draw a catalogue's patterns, coloured by their triangles' smallest angles.\v"
+     "Examples:\n"
+     "  girih-patterns sheet linear.gpat -o linear.svg\n"
+     "  girih-patterns sheet linear.gpat -o some.png --patterns '4,2,1;8,8,3' --columns 2\n",
+     sheet_options, run_sheet},
+    {"dump", "FILE", 1,
      "Print every vertex and triangle of a catalogue.\v"
      "Examples:\n"
      "  girih-patterns dump linear.gpat --json > linear.json\n",
      json_options, run_dump},
-    {"check", "FILE",
+    {"check", "FILE", 1,
      "Check every law of a catalogue: distinct vertices, exact borders, positive areas that add up "
      "to the whole, every inner edge shared by two triangles. Degenerate triangles, which have a corner "
      "twice, are counted; only the family semiuniform may have them.\v"
      "Examples:\n"
      "  girih-patterns check dyadic.gpat\n",
      no_options, run_check},
-    {"embed", "FILE",
+    {"embed", "FILE", 1,
      "Write a catalogue as a C source: const uint64_t SYMBOL[] and const size_t SYMBOL_size.\v"
      "Examples:\n"
      "  girih-patterns embed dyadic.gpat --name my_catalogue -o my_catalogue.c\n",
      embed_options, run_embed},
-    {"emit-permutation", "",
+    {"emit-permutation", "", 0,
      "Write girih_permutation.h, the table of lambda for C and GLSL.\v"
      "Examples:\n"
      "  girih-patterns emit-permutation -o girih_permutation.h\n",
@@ -330,7 +494,10 @@ static const char help[] =
     "Catalogues of base patterns for adaptive tessellation.\n"
     "\n"
     "  generate          generate a catalogue\n"
+    "  import            make a catalogue of patterns from JSON\n"
     "  info              print a catalogue's figures\n"
+    "  compare           print two catalogues' figures side by side\n"
+    "  sheet             draw a catalogue's patterns\n"
     "  dump              print every vertex and triangle\n"
     "  check             check every law of a catalogue\n"
     "  embed             write a catalogue as a C source\n"
@@ -340,6 +507,7 @@ static const char help[] =
     "  girih-patterns generate --spacing dyadic --max 6 -o dyadic.gpat\n"
     "  girih-patterns info dyadic.gpat --json\n"
     "  girih-patterns check dyadic.gpat\n"
+    "  girih-patterns sheet dyadic.gpat -o dyadic.svg\n"
     "\n"
     "girih-patterns COMMAND --help tells more.\n";
 
@@ -368,16 +536,25 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
     case OPTION_JSON:
         arguments->json = true;
         return 0;
+    case OPTION_PATTERNS:
+        arguments->patterns = value;
+        return 0;
+    case OPTION_COLUMNS:
+        arguments->columns = value;
+        return 0;
+    case 'v':
+        arguments->verbose = true;
+        return 0;
     case ARGP_KEY_ARG:
-        if (!arguments->takes_file || arguments->file) {
+        if (arguments->given == arguments->file_count) {
             wrong_use(arguments->program, "one argument too many: '%s'", value);
             return EINVAL;
         }
-        arguments->file = value;
+        arguments->files[arguments->given++] = value;
         return 0;
     case ARGP_KEY_END:
-        if (arguments->takes_file && !arguments->file) {
-            wrong_use(arguments->program, "a FILE is needed");
+        if (arguments->given < arguments->file_count) {
+            wrong_use(arguments->program, "%s needed", arguments->file_count == 2 ? "two FILEs are" : "a FILE is");
             return EINVAL;
         }
         return 0;
@@ -390,7 +567,7 @@ static int run_command(const command *command, int argc, char **argv) {
     char program[64];
     snprintf(program, sizeof program, "girih-patterns %s", command->name);
     argv[0] = program;
-    arguments arguments = {.program = program, .takes_file = command->usage[0] != 0};
+    arguments arguments = {.program = program, .file_count = command->file_count};
     const struct argp parser = {
         .options = command->options,
         .parser = parse_option,

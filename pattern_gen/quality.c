@@ -12,12 +12,12 @@ typedef struct point {
 } point;
 
 // An isosceles triangle: base from (-1/2, 0) to (1/2, 0), apex above the middle.
-typedef struct shape {
+typedef struct shape_form {
     const char *name;
     double height;
-} shape;
+} shape_form;
 
-static const shape shapes[GIRIH_SHAPE_COUNT] = {
+static const shape_form shapes[GIRIH_SHAPE_COUNT] = {
     [GIRIH_SHAPE_EQUILATERAL] = {"equilateral", 0.86602540378443864676},
     [GIRIH_SHAPE_RIGHT] = {"right", 0.5},
     [GIRIH_SHAPE_THIN] = {"thin", 10},
@@ -60,7 +60,8 @@ static int64_t doubled_area(const uint32_t vertices[3]) {
     return llabs((u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]));
 }
 
-// The cotangent of the smallest angle: the largest of the three, which all have the doubled area as denominator.
+// The cotangent of the smallest angle: the largest of the three, which all have the doubled area as
+// denominator.
 static double largest_cotangent(girih_shape shape, const point corners[3], int64_t area) {
     double largest = -HUGE_VAL;
     for (int n = 0; n < 3; n++) {
@@ -92,7 +93,8 @@ double girih_quality_angle(girih_shape shape, uint32_t apex, const uint32_t vert
 double girih_quality_corner_bound(uint32_t a, uint32_t b) {
     const double ratio = a > b ? (double)a / b : (double)b / a;
     double best = 0;
-    // More triangles have narrower apexes, so none that is narrower than the best found can be better.
+    // More triangles have narrower apexes, so none that is narrower than the best found can be
+    // better.
     for (uint32_t k = 1; 60.0 / k > best; k++) {
         const double apex = to_radians(60.0 / k);
         const double growth = pow(ratio, 1.0 / k);
@@ -111,10 +113,13 @@ double girih_quality_bound(const uint32_t segments[3]) {
     return least;
 }
 
-// Edge n lies across from the corner whose weight is its distance: P1P2 from P3, P2P3 from P1, P3P1 from P2.
+// Edge n lies across from the corner whose weight is its distance: P1P2 from P3, P2P3 from P1, P3P1
+// from P2.
 static double spacing(const double logarithms[3], const double weights[3]) {
-    // The inverse distances 1 / w, 1 / u, 1 / v, each times u v w: a border itself divides nothing by zero.
-    const double near[3] = {weights[0] * weights[1], weights[1] * weights[2], weights[2] * weights[0]};
+    // The inverse distances 1 / w, 1 / u, 1 / v, each times u v w: a border itself divides nothing
+    // by zero.
+    const double near[3] = {weights[0] * weights[1], weights[1] * weights[2],
+                            weights[2] * weights[0]};
     double sum = 0;
     double total = 0;
     for (int edge = 0; edge < 3; edge++) {
@@ -136,8 +141,10 @@ double girih_quality_spacing(const uint32_t segments[3], const double weights[3]
     return spacing(logarithms, weights);
 }
 
-uint32_t girih_quality_cache_misses(const uint32_t *indices, uint32_t triangle_count, uint32_t *last) {
-    // Entries are numbered as they come in; a vertex is there while fewer than the cache's size came in after it.
+uint32_t girih_quality_cache_misses(const uint32_t *indices, uint32_t triangle_count,
+                                    uint32_t *last) {
+    // Entries are numbered as they come in; a vertex is there while fewer than the cache's size
+    // came in after it.
     uint32_t entered = GIRIH_CACHE_SIZE;
     for (size_t n = 0; n < (size_t)triangle_count * 3; n++) {
         uint32_t *entry = &last[indices[n]];
@@ -173,7 +180,8 @@ static void measure_areas(const girih_pattern *pattern, girih_quality *quality) 
 }
 
 // The smallest angle in a shape. `points` has room for every vertex.
-static double measure_angle(const girih_pattern *pattern, girih_shape shape, uint32_t apex, point *points) {
+static double measure_angle(const girih_pattern *pattern, girih_shape shape, uint32_t apex,
+                            point *points) {
     for (uint32_t n = 0; n < pattern->vertex_count; n++) {
         points[n] = place(shape, apex, pattern->vertices[n]);
     }
@@ -196,7 +204,8 @@ static void measure_angles(const girih_pattern *pattern, point *points, girih_qu
         const girih_shape shape = (girih_shape)n;
         quality->angles[n] = measure_angle(pattern, shape, 0, points);
         for (uint32_t apex = 1; apex < 3 && shape != GIRIH_SHAPE_EQUILATERAL; apex++) {
-            quality->angles[n] = fmin(quality->angles[n], measure_angle(pattern, shape, apex, points));
+            quality->angles[n] =
+                fmin(quality->angles[n], measure_angle(pattern, shape, apex, points));
         }
     }
     for (uint32_t n = 0; n < pattern->triangle_count; n++) {
@@ -206,7 +215,8 @@ static void measure_angles(const girih_pattern *pattern, point *points, girih_qu
     }
 }
 
-// The length of an edge in units of the spacing at its middle, in an equilateral triangle; 0 for one on the border.
+// The length of an edge in units of the spacing at its middle, in an equilateral triangle; 0 for
+// one on the border.
 static double edge_ratio(const double logarithms[3], uint32_t from, uint32_t to) {
     const double a[3] = {from & 0xffff, from >> 16, one - (from & 0xffff) - (from >> 16)};
     const double b[3] = {to & 0xffff, to >> 16, one - (to & 0xffff) - (to >> 16)};
@@ -230,7 +240,8 @@ static void measure_edges(const girih_pattern *pattern, girih_quality *quality) 
         const uint32_t from = pattern->indices[n];
         const uint32_t to = pattern->indices[n % 3 == 2 ? n - 2 : n + 1];
         // The other triangle has the same edge the other way.
-        const double ratio = from < to ? edge_ratio(logarithms, pattern->vertices[from], pattern->vertices[to]) : 0;
+        const double ratio =
+            from < to ? edge_ratio(logarithms, pattern->vertices[from], pattern->vertices[to]) : 0;
         if (ratio > 0) {
             quality->shortest = quality->shortest > 0 ? fmin(quality->shortest, ratio) : ratio;
             quality->longest = fmax(quality->longest, ratio);
@@ -238,7 +249,8 @@ static void measure_edges(const girih_pattern *pattern, girih_quality *quality) 
     }
 }
 
-girih_result girih_quality_measure(const girih_pattern *pattern, girih_quality *quality, girih_error *error) {
+girih_result girih_quality_measure(const girih_pattern *pattern, girih_quality *quality,
+                                   girih_error *error) {
     *quality = (girih_quality){.bound = girih_quality_bound(pattern->segments)};
     point *points = malloc(pattern->vertex_count * sizeof *points);
     uint32_t *last = calloc(pattern->vertex_count, sizeof *last);
@@ -247,17 +259,20 @@ girih_result girih_quality_measure(const girih_pattern *pattern, girih_quality *
         measure_areas(pattern, quality);
         measure_angles(pattern, points, quality);
         measure_edges(pattern, quality);
-        quality->cache_misses = girih_quality_cache_misses(pattern->indices, pattern->triangle_count, last);
+        quality->cache_misses =
+            girih_quality_cache_misses(pattern->indices, pattern->triangle_count, last);
     } else {
-        result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory to measure %u vertices", pattern->vertex_count);
+        result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory to measure %u vertices",
+                            pattern->vertex_count);
     }
     free(last);
     free(points);
     return result;
 }
 
-girih_result girih_quality_measure_catalogue(const girih_catalogue *catalogue, girih_quality *qualities,
-                                             girih_progress *progress, girih_error *error) {
+girih_result girih_quality_measure_catalogue(const girih_catalogue *catalogue,
+                                             girih_quality *qualities, girih_progress *progress,
+                                             girih_error *error) {
     girih_result result = GIRIH_OK;
     for (uint32_t rank = 0; rank < catalogue->pattern_count && result == GIRIH_OK; rank++) {
         girih_pattern pattern;
@@ -294,14 +309,16 @@ static void add_angles(girih_quality_totals *totals, uint32_t rank, const girih_
 
 static void add_edges(girih_quality_totals *totals, const girih_quality *quality) {
     if (quality->longest > 0) {
-        totals->shortest = totals->shortest > 0 ? fmin(totals->shortest, quality->shortest) : quality->shortest;
+        totals->shortest =
+            totals->shortest > 0 ? fmin(totals->shortest, quality->shortest) : quality->shortest;
         totals->longest = fmax(totals->longest, quality->longest);
-        totals->uneven += quality->shortest < GIRIH_SHORTEST_EVEN || quality->longest > GIRIH_LONGEST_EVEN;
+        totals->uneven +=
+            quality->shortest < GIRIH_SHORTEST_EVEN || quality->longest > GIRIH_LONGEST_EVEN;
     }
 }
 
-static void add_cache(girih_quality_totals *totals, const girih_base_pattern *pattern, uint32_t rank,
-                      const girih_quality *quality) {
+static void add_cache(girih_quality_totals *totals, const girih_base_pattern *pattern,
+                      uint32_t rank, const girih_quality *quality) {
     totals->cache_misses += quality->cache_misses;
     const double misses = (double)quality->cache_misses / pattern->vertex_count;
     if (pattern->triangle_count > GIRIH_CACHE_SMALL_PATTERN && misses > totals->worst_cache) {
@@ -310,7 +327,8 @@ static void add_cache(girih_quality_totals *totals, const girih_base_pattern *pa
     }
 }
 
-girih_quality_totals girih_quality_total(const girih_catalogue *catalogue, const girih_quality *qualities) {
+girih_quality_totals girih_quality_total(const girih_catalogue *catalogue,
+                                         const girih_quality *qualities) {
     girih_quality_totals totals = {.worst_bound = 60, .worst_area_ratio = 1};
     for (int shape = 0; shape < GIRIH_SHAPE_COUNT; shape++) {
         totals.worst_angles[shape] = HUGE_VAL;

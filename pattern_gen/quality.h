@@ -1,7 +1,9 @@
-// How good patterns are: angles in triangles of several shapes, sizes, spacing, vertex reuse. All of it is for reports
-// and choices between patterns; coordinates in catalogues are made in integers.
+// How good patterns are: angles in triangles of several shapes, sizes, spacing, vertex reuse. All
+// of it is for reports and choices between patterns; coordinates in catalogues are made in
+// integers.
 //
-// A triangle without area, as families with zero-area joints have them, is counted but not measured.
+// A triangle without area, as families with zero-area joints have them, is counted but not
+// measured.
 #ifndef GIRIH_PATTERN_GEN_QUALITY_H
 #define GIRIH_PATTERN_GEN_QUALITY_H
 
@@ -24,7 +26,8 @@ typedef enum girih_shape {
 // Vertices that the cache of the modelled GPU keeps, first in first out.
 #define GIRIH_CACHE_SIZE 16u
 
-// A larger pattern counts for the worst use of the cache: in a small one the first visits outweigh all others.
+// A larger pattern counts for the worst use of the cache: in a small one the first visits outweigh
+// all others.
 #define GIRIH_CACHE_SMALL_PATTERN 100u
 
 // Edges shorter or longer than the spacing at their place by more than a factor of two are uneven.
@@ -33,12 +36,13 @@ typedef enum girih_shape {
 
 // One pattern. Angles are in degrees.
 typedef struct girih_quality {
-    double angles[GIRIH_SHAPE_COUNT]; // the smallest, the worst over which corner is the shape's apex
-    double angle_sum;                 // of every triangle's smallest angle in the equilateral shape
-    double bound;                     // girih_quality_bound
-    double area_ratio;                // smallest area to largest, the same in every shape
-    double shortest;                  // inner edges in units of the spacing at their middle; both 0 without
-    double longest;                   // an inner edge
+    double
+        angles[GIRIH_SHAPE_COUNT]; // the smallest, the worst over which corner is the shape's apex
+    double angle_sum;              // of every triangle's smallest angle in the equilateral shape
+    double bound;                  // girih_quality_bound
+    double area_ratio;             // smallest area to largest, the same in every shape
+    double shortest; // inner edges in units of the spacing at their middle; both 0 without
+    double longest;  // an inner edge
     uint32_t cache_misses;
     uint32_t degenerate; // triangles without area
     uint32_t measured;   // the others
@@ -48,7 +52,7 @@ typedef struct girih_quality {
 typedef struct girih_quality_totals {
     double mean_angles[GIRIH_SHAPE_COUNT];
     double worst_angles[GIRIH_SHAPE_COUNT];
-    uint32_t worst_rank; // of the pattern with the worst angle in the equilateral shape
+    uint32_t worst_rank;        // of the pattern with the worst angle in the equilateral shape
     double mean_triangle_angle; // of every triangle's smallest angle, over all triangles with area
     double mean_bound;
     double worst_bound;
@@ -57,7 +61,8 @@ typedef struct girih_quality_totals {
     double shortest; // as in girih_quality
     double longest;
     uint32_t uneven; // patterns with an edge shorter or longer than even
-    uint32_t histogram[GIRIH_HISTOGRAM_COUNT]; // patterns by smallest angle; 60 degrees are in the last
+    uint32_t
+        histogram[GIRIH_HISTOGRAM_COUNT]; // patterns by smallest angle; 60 degrees are in the last
     uint64_t cache_misses;
     double worst_cache; // misses a vertex of the worst larger pattern; 0 without one
     uint32_t worst_cache_rank;
@@ -66,32 +71,39 @@ typedef struct girih_quality_totals {
 
 const char *girih_shape_name(girih_shape shape);
 
-// The smallest angle in degrees of a triangle of packed vertices in a shape whose apex is corner 0, 1 or 2 of the
-// pattern; 0 where it has no area. A triangle that is turned over has the angles of its mirror image.
+// The smallest angle in degrees of a triangle of packed vertices in a shape whose apex is corner 0,
+// 1 or 2 of the pattern; 0 where it has no area. A triangle that is turned over has the angles of
+// its mirror image.
 double girih_quality_angle(girih_shape shape, uint32_t apex, const uint32_t vertices[3]);
 
-// What no triangle at a corner of 60 degrees can exceed in its smallest angle, where the edges beside it have a and b
-// segments: k triangles share the corner evenly and their sides grow from 1 / a to 1 / b by the same factor each; the
-// best k counts.
+// What no triangle at a corner of 60 degrees can exceed in its smallest angle, where the edges
+// beside it have a and b segments: k triangles share the corner evenly and their sides grow from 1
+// / a to 1 / b by the same factor each; the best k counts.
 double girih_quality_corner_bound(uint32_t a, uint32_t b);
 
 // The least bound of a pattern's corners.
 double girih_quality_bound(const uint32_t segments[3]);
 
-// Distance of neighbouring vertices that the three borders suggest at a place given by weights that need not add up to
-// one, in an equilateral triangle of side 1: the borders' own in the geometric mean, weighted by nearness.
+// Distance of neighbouring vertices that the three borders suggest at a place given by weights that
+// need not add up to one, in an equilateral triangle of side 1: the borders' own in the geometric
+// mean, weighted by nearness.
 double girih_quality_spacing(const uint32_t segments[3], const double weights[3]);
 
-// Vertices that a GPU with a cache of GIRIH_CACHE_SIZE would shade. `last` has an entry a vertex, all zero.
-uint32_t girih_quality_cache_misses(const uint32_t *indices, uint32_t triangle_count, uint32_t *last);
+// Vertices that a GPU with a cache of GIRIH_CACHE_SIZE would shade. `last` has an entry a vertex,
+// all zero.
+uint32_t girih_quality_cache_misses(const uint32_t *indices, uint32_t triangle_count,
+                                    uint32_t *last);
 
-girih_result girih_quality_measure(const girih_pattern *pattern, girih_quality *quality, girih_error *error);
+girih_result girih_quality_measure(const girih_pattern *pattern, girih_quality *quality,
+                                   girih_error *error);
 
-// Measures every pattern of a catalogue. `qualities` has room for all of them, in the order of rank. `progress` is
-// called after each and may be NULL.
-girih_result girih_quality_measure_catalogue(const girih_catalogue *catalogue, girih_quality *qualities,
-                                             girih_progress *progress, girih_error *error);
+// Measures every pattern of a catalogue. `qualities` has room for all of them, in the order of
+// rank. `progress` is called after each and may be NULL.
+girih_result girih_quality_measure_catalogue(const girih_catalogue *catalogue,
+                                             girih_quality *qualities, girih_progress *progress,
+                                             girih_error *error);
 
-girih_quality_totals girih_quality_total(const girih_catalogue *catalogue, const girih_quality *qualities);
+girih_quality_totals girih_quality_total(const girih_catalogue *catalogue,
+                                         const girih_quality *qualities);
 
 #endif

@@ -293,11 +293,11 @@ static json_t *printed(void (*print)(const girih_catalogue *, FILE *),
 }
 
 static void print_info(const girih_catalogue *catalogue, FILE *stream) {
-    assert_int_equal(girih_report_info(catalogue, true, stream, NULL), GIRIH_OK);
+    assert_int_equal(girih_report_info(catalogue, GIRIH_REPORT_JSON, NULL, stream, NULL), GIRIH_OK);
 }
 
 static void print_dump(const girih_catalogue *catalogue, FILE *stream) {
-    girih_report_dump(catalogue, true, stream);
+    assert_int_equal(girih_report_dump(catalogue, true, stream, NULL), GIRIH_OK);
 }
 
 static json_int_t integer(const json_t *object, const char *name) {

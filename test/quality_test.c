@@ -35,7 +35,8 @@ static girih_quality measure(const girih_pattern *pattern) {
     return quality;
 }
 
-// The whole has the angles of its shape, whichever corner is the apex and whichever corner it begins with.
+// The whole has the angles of its shape, whichever corner is the apex and whichever corner it
+// begins with.
 static void test_angles_of_the_shapes(void **state) {
     (void)state;
     static const double expected[GIRIH_SHAPE_COUNT] = {60, 45, 5.7248104522, 30};
@@ -44,8 +45,10 @@ static void test_angles_of_the_shapes(void **state) {
         assert_string_equal(girih_shape_name((girih_shape)shape), names[shape]);
         for (uint32_t apex = 0; apex < 3; apex++) {
             for (uint32_t first = 0; first < 3; first++) {
-                const uint32_t turned[3] = {whole[first], whole[(first + 1) % 3], whole[(first + 2) % 3]};
-                assert_near(girih_quality_angle((girih_shape)shape, apex, turned), expected[shape], 1e-9);
+                const uint32_t turned[3] = {whole[first], whole[(first + 1) % 3],
+                                            whole[(first + 2) % 3]};
+                assert_near(girih_quality_angle((girih_shape)shape, apex, turned), expected[shape],
+                            1e-9);
             }
         }
     }
@@ -81,10 +84,12 @@ static void test_corner_bound(void **state) {
     (void)state;
     for (uint32_t n = 1; n <= 128; n++) {
         assert_near(girih_quality_corner_bound(n, n), 60, 1e-9);
-        assert_near(girih_quality_corner_bound(n, 2 * n), 30, 1e-9); // two triangles: apex 30, half the side
+        assert_near(girih_quality_corner_bound(n, 2 * n), 30,
+                    1e-9); // two triangles: apex 30, half the side
         assert_near(girih_quality_corner_bound(3, n), girih_quality_corner_bound(n, 3), 1e-12);
         // 2 and 3 to 1 have the same: two triangles, and the sides grow fast enough for either.
-        assert_true(n == 1 || girih_quality_corner_bound(n, 1) < girih_quality_corner_bound(n - 1, 1) + 1e-9);
+        assert_true(n == 1 ||
+                    girih_quality_corner_bound(n, 1) < girih_quality_corner_bound(n - 1, 1) + 1e-9);
     }
 }
 
@@ -130,7 +135,8 @@ static void test_spacing(void **state) {
     assert_near(girih_quality_spacing(segments, (const double[3]){0.3, 0, 0.7}), 1.0 / 2, 1e-12);
     assert_near(girih_quality_spacing(segments, (const double[3]){7, 7, 7}), 1.0 / 4, 1e-12);
     // At a corner that of the two borders that meet there.
-    assert_near(girih_quality_spacing(segments, (const double[3]){1, corner, corner}), 1.0 / 4, 1e-6);
+    assert_near(girih_quality_spacing(segments, (const double[3]){1, corner, corner}), 1.0 / 4,
+                1e-6);
 }
 
 // The regular grid has equilateral triangles of the spacing itself.
@@ -167,7 +173,8 @@ static void test_small_patterns(void **state) {
     assert_near(halves.bound, 30, 1e-9);
     assert_near(halves.area_ratio, 1, 1e-12);
     // One inner edge, the height, from the middle of edge 1 to P3.
-    const double expected = sqrt(3) / 2 / girih_quality_spacing(two.segments, (const double[3]){1, 1, 2});
+    const double expected =
+        sqrt(3) / 2 / girih_quality_spacing(two.segments, (const double[3]){1, 1, 2});
     assert_near(halves.shortest, expected, 1e-9);
     assert_near(halves.longest, expected, 1e-9);
     assert_int_equal(halves.cache_misses, 4);
@@ -250,7 +257,8 @@ static void test_built_in_catalogue(void **state) {
     girih_quality *qualities = calloc(catalogue->pattern_count, sizeof *qualities);
     assert_non_null(qualities);
     count_progress = 0;
-    assert_int_equal(girih_quality_measure_catalogue(catalogue, qualities, progress, NULL), GIRIH_OK);
+    assert_int_equal(girih_quality_measure_catalogue(catalogue, qualities, progress, NULL),
+                     GIRIH_OK);
     assert_int_equal(count_progress, catalogue->pattern_count);
     const girih_quality_totals totals = girih_quality_total(catalogue, qualities);
     assert_near(totals.mean_angles[GIRIH_SHAPE_EQUILATERAL], 21.24, 0.005);
@@ -271,23 +279,19 @@ static void test_built_in_catalogue(void **state) {
     for (uint32_t rank = 0; rank < catalogue->pattern_count; rank++) {
         assert_true(qualities[rank].angles[GIRIH_SHAPE_EQUILATERAL] < qualities[rank].bound + 0.05);
         assert_true(qualities[rank].shortest <= qualities[rank].longest);
-        assert_true(qualities[rank].angles[GIRIH_SHAPE_THIN] < qualities[rank].angles[GIRIH_SHAPE_EQUILATERAL]);
+        assert_true(qualities[rank].angles[GIRIH_SHAPE_THIN] <
+                    qualities[rank].angles[GIRIH_SHAPE_EQUILATERAL]);
     }
     free(qualities);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_angles_of_the_shapes),
-        cmocka_unit_test(test_angles_of_halves),
-        cmocka_unit_test(test_no_area_is_no_angle),
-        cmocka_unit_test(test_corner_bound),
-        cmocka_unit_test(test_bounds_of_catalogues),
-        cmocka_unit_test(test_spacing),
-        cmocka_unit_test(test_regular_grid),
-        cmocka_unit_test(test_small_patterns),
-        cmocka_unit_test(test_degenerate_triangles),
-        cmocka_unit_test(test_vertex_cache),
+        cmocka_unit_test(test_angles_of_the_shapes), cmocka_unit_test(test_angles_of_halves),
+        cmocka_unit_test(test_no_area_is_no_angle),  cmocka_unit_test(test_corner_bound),
+        cmocka_unit_test(test_bounds_of_catalogues), cmocka_unit_test(test_spacing),
+        cmocka_unit_test(test_regular_grid),         cmocka_unit_test(test_small_patterns),
+        cmocka_unit_test(test_degenerate_triangles), cmocka_unit_test(test_vertex_cache),
         cmocka_unit_test(test_built_in_catalogue),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
