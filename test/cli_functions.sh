@@ -25,9 +25,9 @@ expect() {
     fi
 }
 
-# One line on standard error that begins with "girih: ", nothing on standard output.
+# One line on standard error that begins with the program's name, nothing on standard output.
 expect_one_line() {
-    if [[ $(wc -l <err) -ne 1 || -s out || $(head -c 7 err) != 'girih: ' ]]; then
+    if [[ $(wc -l <err) -ne 1 || -s out || $(<err) != "${girih##*/}"[\ :]* ]]; then
         fail "$*: not one line: $(head -c 400 err)"
     fi
 }
