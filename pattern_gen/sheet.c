@@ -24,6 +24,8 @@ enum { COLOUR_COUNT = 30, NO_COLOUR = 255 };
 // Of a picture, so that it can be in memory, and of one side, which cairo limits.
 #define MOST_PIXELS 100e6
 #define LONGEST_SIDE 30000.0
+// Some hundred bytes each, and cairo keeps them in memory.
+#define MOST_SVG_TRIANGLES 4000000u
 // The header's texts and the legend need so much beside each other.
 #define SMALLEST_WIDTH 1100.0
 
@@ -467,12 +469,30 @@ static girih_result measure(const girih_catalogue *catalogue, girih_quality_tota
     return result;
 }
 
+static girih_result check_triangles(const girih_sheet *sheet, const girih_catalogue *catalogue,
+                                    girih_error *error) {
+    uint64_t triangles = 0;
+    for (uint32_t n = 0; n < sheet->count; n++) {
+        triangles += girih_catalogue_pattern(catalogue, sheet->ranks[n])->triangle_count;
+    }
+    if (triangles > MOST_SVG_TRIANGLES) {
+        return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
+                          "%" PRIu64 " triangles are too many for an SVG, which has room for %u; "
+                          "choose some with --patterns, or write a .png",
+                          triangles, MOST_SVG_TRIANGLES);
+    }
+    return GIRIH_OK;
+}
+
 girih_result girih_sheet_draw(const girih_sheet *sheet, const girih_catalogue *catalogue,
                               girih_sheet_format format, girih_progress *progress, FILE *stream,
                               girih_error *error) {
     sheet_layout layout = {.columns = 0};
     girih_quality_totals totals;
     girih_result result = place_cells(sheet, &layout, error);
+    if (result == GIRIH_OK && format == GIRIH_SHEET_SVG) {
+        result = check_triangles(sheet, catalogue, error);
+    }
     if (result == GIRIH_OK) {
         result = measure(catalogue, &totals, error);
     }
