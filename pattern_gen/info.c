@@ -88,16 +88,24 @@ static void print_histogram(const measured_catalogue *measured, FILE *stream) {
     }
 }
 
-static void print_spacing_and_cache(const measured_catalogue *measured, FILE *stream) {
+static void print_spacing(const measured_catalogue *measured, FILE *stream) {
+    const girih_quality_totals *totals = &measured->totals;
+    fprintf(stream, "\ninner edges, in units of the spacing between the borders\n");
+    if (totals->longest > 0) {
+        fprintf(stream,
+                "  shortest         %6.3f\n"
+                "  longest          %6.3f\n"
+                "  uneven patterns  %6" PRIu32 "  have one outside %.1f to %.1f\n",
+                totals->shortest, totals->longest, totals->uneven, GIRIH_SHORTEST_EVEN,
+                GIRIH_LONGEST_EVEN);
+    } else {
+        fprintf(stream, "  none\n");
+    }
+}
+
+static void print_cache(const measured_catalogue *measured, FILE *stream) {
     const girih_catalogue *catalogue = measured->catalogue;
     const girih_quality_totals *totals = &measured->totals;
-    fprintf(stream,
-            "\ninner edges, in units of the spacing between the borders\n"
-            "  shortest         %6.3f\n"
-            "  longest          %6.3f\n"
-            "  uneven patterns  %6" PRIu32 "  have one outside %.1f to %.1f\n",
-            totals->shortest, totals->longest, totals->uneven, GIRIH_SHORTEST_EVEN,
-            GIRIH_LONGEST_EVEN);
     fprintf(stream,
             "\nshading, with a cache of %u vertices, first in first out\n"
             "  vertices         %6.3f  a triangle\n"
@@ -262,7 +270,8 @@ girih_result girih_report_info(const girih_catalogue *catalogue, girih_report_fo
             print_sizes(&measured, stream);
             print_angles(&measured, stream);
             print_histogram(&measured, stream);
-            print_spacing_and_cache(&measured, stream);
+            print_spacing(&measured, stream);
+            print_cache(&measured, stream);
             if (form == GIRIH_REPORT_ROWS) {
                 print_rows(&measured, stream);
             }
