@@ -463,7 +463,7 @@ static const command commands[] = {
      "Draw a catalogue's patterns, coloured by their triangles' smallest angles.\v"
      "Examples:\n"
      "  girih-patterns sheet linear.gpat -o linear.svg\n"
-     "  girih-patterns sheet linear.gpat -o some.png --patterns '4,2,1;8,8,3' --columns 2\n",
+     "  girih-patterns sheet linear.gpat -o some.png --patterns '4,2,1;8,8,3'\n",
      sheet_options, run_sheet},
     {"dump", "FILE", 1,
      "Print every vertex and triangle of a catalogue.\v"
