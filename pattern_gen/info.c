@@ -38,10 +38,11 @@ static void print_sizes(const measured_catalogue *measured, FILE *stream) {
             "adaptive patterns  %" PRIu64 "\n"
             "vertices           %" PRIu64 "\n"
             "triangles          %" PRIu64 "\n"
+            "degenerate         %" PRIu64 " triangles\n"
             "bytes              %" PRIu64 "\n",
             girih_report_spacing(catalogue), catalogue->max, catalogue->family,
             catalogue->pattern_count, adaptive_patterns(catalogue), catalogue->vertex_count,
-            catalogue->triangle_count, catalogue->bytes);
+            catalogue->triangle_count, measured->totals.degenerate, catalogue->bytes);
 }
 
 static void print_angles(const measured_catalogue *measured, FILE *stream) {
@@ -49,11 +50,12 @@ static void print_angles(const measured_catalogue *measured, FILE *stream) {
     uint32_t worst[3];
     levels_of(measured->catalogue, totals->worst_rank, worst);
     fprintf(stream,
-            "mean min angle     %.2f degrees, of the patterns' smallest\n"
+            "mean min angle     %.2f degrees, of the patterns' smallest%s\n"
             "worst min angle    %.2f degrees\n"
             "worst pattern      [%" PRIu32 ",%" PRIu32 ",%" PRIu32 "]\n"
             "mean of triangles  %.2f degrees, of every triangle's smallest\n",
             totals->mean_angles[GIRIH_SHAPE_EQUILATERAL],
+            totals->degenerate > 0 ? ", in triangles with area" : "",
             totals->worst_angles[GIRIH_SHAPE_EQUILATERAL], worst[0], worst[1], worst[2],
             totals->mean_triangle_angle);
     fprintf(stream, "\nsmallest angles      mean   worst\n");
@@ -203,7 +205,7 @@ static json_t *describe_sizes(const measured_catalogue *measured) {
     const girih_quality_totals *totals = &measured->totals;
     uint32_t worst[3];
     levels_of(catalogue, totals->worst_rank, worst);
-    return json_pack("{s:s, s:I, s:s, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:[iii]}", "spacing",
+    return json_pack("{s:s, s:I, s:s, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:[iii], s:I}", "spacing",
                      girih_report_spacing(catalogue), "max", (json_int_t)catalogue->max, "family",
                      catalogue->family, "base_patterns", (json_int_t)catalogue->pattern_count,
                      "adaptive_patterns", (json_int_t)adaptive_patterns(catalogue), "vertices",
@@ -211,7 +213,8 @@ static json_t *describe_sizes(const measured_catalogue *measured) {
                      (json_int_t)catalogue->triangle_count, "bytes", (json_int_t)catalogue->bytes,
                      "mean_min_angle", totals->mean_angles[GIRIH_SHAPE_EQUILATERAL],
                      "worst_min_angle", totals->worst_angles[GIRIH_SHAPE_EQUILATERAL],
-                     "worst_pattern", (int)worst[0], (int)worst[1], (int)worst[2]);
+                     "worst_pattern", (int)worst[0], (int)worst[1], (int)worst[2],
+                     "degenerate_triangles", (json_int_t)totals->degenerate);
 }
 
 static json_t *describe_quality(const measured_catalogue *measured) {

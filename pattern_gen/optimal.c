@@ -76,18 +76,6 @@ static double next_random(search *s) {
     return (double)(s->random >> 11) / 9007199254740992.0;
 }
 
-// An edge's length in units of the spacing at its middle.
-static double edge_ratio(const search *s, const girih_triangulation *t, uint32_t a, uint32_t b) {
-    double middle[3];
-    double square = 0;
-    for (int n = 0; n < 3; n++) {
-        const double difference = t->points[a].weights[n] - t->points[b].weights[n];
-        square += difference * difference;
-        middle[n] = t->points[a].weights[n] + t->points[b].weights[n];
-    }
-    return sqrt(square / 2) / (GIRIH_BARYCENTRIC_ONE * girih_spacing_at(&s->spacing, middle));
-}
-
 // Every inner edge once, with its ratio, in s->edges.
 static uint32_t list_edges(search *s, const girih_triangulation *t) {
     uint32_t count = 0;
@@ -97,7 +85,7 @@ static uint32_t list_edges(search *s, const girih_triangulation *t) {
             if (across != GIRIH_NO_TRIANGLE && across > n) {
                 const uint32_t a = t->triangles[n].vertices[edge];
                 const uint32_t b = t->triangles[n].vertices[(edge + 1) % 3];
-                s->edges[count++] = (long_edge){edge_ratio(s, t, a, b), a, b};
+                s->edges[count++] = (long_edge){girih_spacing_ratio(&s->spacing, t->points[a].weights, t->points[b].weights), a, b};
             }
         }
     }

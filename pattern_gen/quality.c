@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "error.h"
+#include "spacing.h"
 
 typedef struct point {
     double x;
@@ -29,10 +30,6 @@ static const double pi = 3.14159265358979323846;
 
 static double to_degrees(double radians) {
     return radians * (180 / pi);
-}
-
-static double to_radians(double degrees) {
-    return degrees * (pi / 180);
 }
 
 const char *girih_shape_name(girih_shape shape) {
@@ -91,54 +88,11 @@ double girih_quality_angle(girih_shape shape, uint32_t apex, const uint32_t vert
 }
 
 double girih_quality_corner_bound(uint32_t a, uint32_t b) {
-    const double ratio = a > b ? (double)a / b : (double)b / a;
-    double best = 0;
-    // More triangles have narrower apexes, so none that is narrower than the best found can be
-    // better.
-    for (uint32_t k = 1; 60.0 / k > best; k++) {
-        const double apex = to_radians(60.0 / k);
-        const double growth = pow(ratio, 1.0 / k);
-        const double other = angle_of_cotangent((growth - cos(apex)) / sin(apex));
-        const double smallest = fmin(60.0 / k, other);
-        best = smallest > best ? smallest : best;
-    }
-    return best;
+    return angle_of_cotangent(girih_corner_flatness(a, b) / sqrt(3));
 }
 
 double girih_quality_bound(const uint32_t segments[3]) {
-    double least = 60;
-    for (int edge = 0; edge < 3; edge++) {
-        least = fmin(least, girih_quality_corner_bound(segments[edge], segments[(edge + 1) % 3]));
-    }
-    return least;
-}
-
-// Edge n lies across from the corner whose weight is its distance: P1P2 from P3, P2P3 from P1, P3P1
-// from P2.
-static double spacing(const double logarithms[3], const double weights[3]) {
-    // The inverse distances 1 / w, 1 / u, 1 / v, each times u v w: a border itself divides nothing
-    // by zero.
-    const double near[3] = {weights[0] * weights[1], weights[1] * weights[2],
-                            weights[2] * weights[0]};
-    double sum = 0;
-    double total = 0;
-    for (int edge = 0; edge < 3; edge++) {
-        sum += near[edge] * logarithms[edge];
-        total += near[edge];
-    }
-    return exp(-sum / total);
-}
-
-static void take_logarithms(const uint32_t segments[3], double logarithms[3]) {
-    for (int edge = 0; edge < 3; edge++) {
-        logarithms[edge] = log(segments[edge]);
-    }
-}
-
-double girih_quality_spacing(const uint32_t segments[3], const double weights[3]) {
-    double logarithms[3];
-    take_logarithms(segments, logarithms);
-    return spacing(logarithms, weights);
+    return angle_of_cotangent(girih_pattern_bound(segments) / sqrt(3));
 }
 
 uint32_t girih_quality_cache_misses(const uint32_t *indices, uint32_t triangle_count,
@@ -215,34 +169,29 @@ static void measure_angles(const girih_pattern *pattern, point *points, girih_qu
     }
 }
 
-// The length of an edge in units of the spacing at its middle, in an equilateral triangle; 0 for
-// one on the border.
-static double edge_ratio(const double logarithms[3], uint32_t from, uint32_t to) {
-    const double a[3] = {from & 0xffff, from >> 16, one - (from & 0xffff) - (from >> 16)};
-    const double b[3] = {to & 0xffff, to >> 16, one - (to & 0xffff) - (to >> 16)};
-    double sums[3];
-    double squares = 0;
-    for (int n = 0; n < 3; n++) {
-        sums[n] = a[n] + b[n];
-        squares += (a[n] - b[n]) * (a[n] - b[n]);
-        if (sums[n] <= 0) {
-            return 0;
-        }
-    }
-    // Half the sum of the squared differences is the squared length in units of the side.
-    return sqrt(squares / 2) / one / spacing(logarithms, sums);
+// Weight n of a packed vertex is zero on the edge across from corner n.
+static void unpack(uint32_t vertex, double weights[3]) {
+    weights[0] = vertex & 0xffff;
+    weights[1] = vertex >> 16;
+    weights[2] = one - weights[0] - weights[1];
+}
+
+static bool is_on_border(const double from[3], const double to[3]) {
+    return from[0] + to[0] <= 0 || from[1] + to[1] <= 0 || from[2] + to[2] <= 0;
 }
 
 static void measure_edges(const girih_pattern *pattern, girih_quality *quality) {
-    double logarithms[3];
-    take_logarithms(pattern->segments, logarithms);
+    const girih_spacing_field spacing = girih_spacing_create(pattern->segments);
     for (size_t n = 0; n < (size_t)pattern->triangle_count * 3; n++) {
         const uint32_t from = pattern->indices[n];
         const uint32_t to = pattern->indices[n % 3 == 2 ? n - 2 : n + 1];
+        double a[3];
+        double b[3];
+        unpack(pattern->vertices[from], a);
+        unpack(pattern->vertices[to], b);
         // The other triangle has the same edge the other way.
-        const double ratio =
-            from < to ? edge_ratio(logarithms, pattern->vertices[from], pattern->vertices[to]) : 0;
-        if (ratio > 0) {
+        if (from < to && !is_on_border(a, b)) {
+            const double ratio = girih_spacing_ratio(&spacing, a, b);
             quality->shortest = quality->shortest > 0 ? fmin(quality->shortest, ratio) : ratio;
             quality->longest = fmax(quality->longest, ratio);
         }

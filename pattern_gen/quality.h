@@ -76,18 +76,9 @@ const char *girih_shape_name(girih_shape shape);
 // its mirror image.
 double girih_quality_angle(girih_shape shape, uint32_t apex, const uint32_t vertices[3]);
 
-// What no triangle at a corner of 60 degrees can exceed in its smallest angle, where the edges
-// beside it have a and b segments: k triangles share the corner evenly and their sides grow from 1
-// / a to 1 / b by the same factor each; the best k counts.
+// girih_corner_flatness and girih_pattern_bound as angles.
 double girih_quality_corner_bound(uint32_t a, uint32_t b);
-
-// The least bound of a pattern's corners.
 double girih_quality_bound(const uint32_t segments[3]);
-
-// Distance of neighbouring vertices that the three borders suggest at a place given by weights that
-// need not add up to one, in an equilateral triangle of side 1: the borders' own in the geometric
-// mean, weighted by nearness.
-double girih_quality_spacing(const uint32_t segments[3], const double weights[3]);
 
 // Vertices that a GPU with a cache of GIRIH_CACHE_SIZE would shade. `last` has an entry a vertex,
 // all zero.

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "girih/catalogue.h"
+
 #define LN2 0.69314718055994530942
 
 double girih_logarithm(double x) {
@@ -43,17 +45,27 @@ girih_spacing_field girih_spacing_create(const uint32_t segments[3]) {
 }
 
 double girih_spacing_at(const girih_spacing_field *field, const double weights[3]) {
-    double nearness = 0;
+    // The inverse distances from the edges, 1 / w, 1 / u, 1 / v, each times u v w: nothing is divided by zero on a
+    // border.
+    const double near[3] = {weights[0] * weights[1], weights[1] * weights[2], weights[2] * weights[0]};
     double sum = 0;
+    double total = 0;
     for (int edge = 0; edge < 3; edge++) {
-        const double distance = weights[(edge + 2) % 3];
-        if (distance <= 0) {
-            return exponential(-field->logarithms[edge]);
-        }
-        nearness += 1 / distance;
-        sum += field->logarithms[edge] / distance;
+        sum += near[edge] * field->logarithms[edge];
+        total += near[edge];
     }
-    return exponential(-sum / nearness);
+    return exponential(-sum / total);
+}
+
+double girih_spacing_ratio(const girih_spacing_field *field, const double from[3], const double to[3]) {
+    double middle[3];
+    double squares = 0;
+    for (int n = 0; n < 3; n++) {
+        squares += (to[n] - from[n]) * (to[n] - from[n]);
+        middle[n] = from[n] + to[n];
+    }
+    // In an equilateral triangle a length's square is half the sum of the squared differences of weights.
+    return sqrt(squares / 2) / (GIRIH_BARYCENTRIC_ONE * girih_spacing_at(field, middle));
 }
 
 double girih_corner_flatness(uint32_t a, uint32_t b) {

@@ -15,8 +15,11 @@ girih_spacing_field girih_spacing_create(const uint32_t segments[3]);
 // The distance of neighbouring vertices that the three borders suggest at a place, in sides of the whole: the
 // geometric mean of the borders' own distances, weighted by nearness (inverse distance). The geometric mean grows by
 // the same factor from one triangle to the next where a fan turns from a fine border to a coarse one, as the sides of
-// the fan with the largest angles do. Weights need not add up to one.
+// the fan with the largest angles do. Weights need not add up to one; not at a corner.
 double girih_spacing_at(const girih_spacing_field *field, const double weights[3]);
+
+// The length of an edge between two points, weights over 32768, in units of the spacing at its middle.
+double girih_spacing_ratio(const girih_spacing_field *field, const double from[3], const double to[3]);
 
 // The largest smallest angle that triangles at a corner of 60 degrees can have, where its sides have a and b segments,
 // as sqrt(3) times its cotangent (1 for 60 degrees, more for less). k triangles share the corner evenly; their sides

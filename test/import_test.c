@@ -444,7 +444,7 @@ static void test_damaged_text(void **state) {
                     assert_int_equal(girih_laws_check_pattern(pattern->segments, pattern->vertices,
                                                               pattern->vertex_count,
                                                               pattern->indices,
-                                                              pattern->triangle_count, NULL),
+                                                              pattern->triangle_count, false, NULL),
                                      GIRIH_OK);
                 }
             } else {

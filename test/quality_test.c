@@ -10,6 +10,7 @@
 
 #include "family.h"
 #include "quality.h"
+#include "spacing.h"
 
 #define ONE GIRIH_BARYCENTRIC_ONE
 
@@ -27,6 +28,11 @@ static girih_pattern build(uint32_t n1, uint32_t n2, uint32_t n3) {
     girih_pattern built;
     assert_int_equal(girih_pattern_build(&girih_family_uniform, segments, &built, NULL), GIRIH_OK);
     return built;
+}
+
+static double spacing_of(const uint32_t segments[3], const double weights[3]) {
+    const girih_spacing_field field = girih_spacing_create(segments);
+    return girih_spacing_at(&field, weights);
 }
 
 static girih_quality measure(const girih_pattern *pattern) {
@@ -130,12 +136,12 @@ static void test_spacing(void **state) {
     const uint32_t segments[3] = {8, 4, 2};
     const double corner = 1e-9;
     // On a border its own, in the middle the geometric mean, whatever the weights add up to.
-    assert_near(girih_quality_spacing(segments, (const double[3]){0.3, 0.7, 0}), 1.0 / 8, 1e-12);
-    assert_near(girih_quality_spacing(segments, (const double[3]){0, 0.3, 0.7}), 1.0 / 4, 1e-12);
-    assert_near(girih_quality_spacing(segments, (const double[3]){0.3, 0, 0.7}), 1.0 / 2, 1e-12);
-    assert_near(girih_quality_spacing(segments, (const double[3]){7, 7, 7}), 1.0 / 4, 1e-12);
+    assert_near(spacing_of(segments, (const double[3]){0.3, 0.7, 0}), 1.0 / 8, 1e-12);
+    assert_near(spacing_of(segments, (const double[3]){0, 0.3, 0.7}), 1.0 / 4, 1e-12);
+    assert_near(spacing_of(segments, (const double[3]){0.3, 0, 0.7}), 1.0 / 2, 1e-12);
+    assert_near(spacing_of(segments, (const double[3]){7, 7, 7}), 1.0 / 4, 1e-12);
     // At a corner that of the two borders that meet there.
-    assert_near(girih_quality_spacing(segments, (const double[3]){1, corner, corner}), 1.0 / 4,
+    assert_near(spacing_of(segments, (const double[3]){1, corner, corner}), 1.0 / 4,
                 1e-6);
 }
 
@@ -174,7 +180,7 @@ static void test_small_patterns(void **state) {
     assert_near(halves.area_ratio, 1, 1e-12);
     // One inner edge, the height, from the middle of edge 1 to P3.
     const double expected =
-        sqrt(3) / 2 / girih_quality_spacing(two.segments, (const double[3]){1, 1, 2});
+        sqrt(3) / 2 / spacing_of(two.segments, (const double[3]){1, 1, 2});
     assert_near(halves.shortest, expected, 1e-9);
     assert_near(halves.longest, expected, 1e-9);
     assert_int_equal(halves.cache_misses, 4);
