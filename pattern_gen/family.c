@@ -1,11 +1,8 @@
 #include "family.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-#include <meshoptimizer.h>
-
-#include "error.h"
+#include "order.h"
 
 static const girih_family *const families[] = {
     &girih_family_optimal,
@@ -29,18 +26,6 @@ const girih_family *girih_family_find(const char *name) {
 
 girih_result girih_pattern_build(const girih_family *family, const uint32_t segments[3], girih_pattern *pattern,
                                  girih_error *error) {
-    girih_result result = family->build(family, segments, pattern, error);
-    if (family->ordered) {
-        return result;
-    }
-    const size_t index_count = (size_t)pattern->triangle_count * 3;
-    uint32_t *ordered = result == GIRIH_OK ? malloc(index_count * sizeof *ordered) : NULL;
-    if (ordered) {
-        meshopt_optimizeVertexCache(ordered, pattern->indices, index_count, pattern->vertex_count);
-        free(pattern->indices);
-        pattern->indices = ordered;
-    } else if (result == GIRIH_OK) {
-        result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory for %zu indices", index_count);
-    }
-    return result;
+    const girih_result result = family->build(family, segments, pattern, error);
+    return result == GIRIH_OK && !family->ordered ? girih_pattern_order(pattern, error) : result;
 }

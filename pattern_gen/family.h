@@ -12,8 +12,9 @@ struct girih_family {
     const char *name;    // at most 15 bytes, as the catalogue's header stores it
     const char *summary; // for --help
     bool collapses;      // its triangles may have a corner twice, and then no area
-    // Makes the pattern of these segments, the first the largest; its triangles in no particular order. Called by
-    // several threads at once. What it leaves in *pattern is to be freed also where it fails.
+    // Makes the pattern of these segments, the first the largest; its triangles and inner vertices in no
+    // particular order. Called by several threads at once. What it leaves in *pattern is to be freed also where it
+    // fails.
     girih_result (*build)(const girih_family *family, const uint32_t segments[3], girih_pattern *pattern,
                           girih_error *error);
     const void *data; // the family's own
@@ -37,7 +38,7 @@ const girih_family *girih_family_find(const char *name);
 // Family n of all, NULL after the last.
 const girih_family *girih_family_at(uint32_t n);
 
-// Builds a pattern and puts its triangles into an order that suits a GPU's vertex cache.
+// Builds a pattern and puts its triangles and inner vertices into an order that suits a GPU's caches (order.h).
 girih_result girih_pattern_build(const girih_family *family, const uint32_t segments[3], girih_pattern *pattern,
                                  girih_error *error);
 

@@ -223,6 +223,18 @@ static void assert_broken(const girih_pattern *built, const char *law) {
     assert_non_null(strstr(error.message, law));
 }
 
+// The inner vertex farthest from P1.
+static uint32_t farthest_from_p1(const girih_pattern *built) {
+    uint32_t farthest = built->vertex_count - 1;
+    const uint32_t border = girih_border_count(built->segments);
+    for (uint32_t vertex = border; vertex < built->vertex_count; vertex++) {
+        if ((built->vertices[vertex] & 0xffff) < (built->vertices[farthest] & 0xffff)) {
+            farthest = vertex;
+        }
+    }
+    return farthest;
+}
+
 // The laws are worth what they refuse.
 static void test_broken_patterns_are_refused(void **state) {
     (void)state;
@@ -237,13 +249,13 @@ static void test_broken_patterns_are_refused(void **state) {
     assert_broken(&built, "corner");
     built.vertices[0] = kept;
 
-    uint32_t last = built.vertex_count - 1;
-    kept = built.vertices[last];
-    built.vertices[last] = built.vertices[last - 1];
+    uint32_t far = farthest_from_p1(&built);
+    kept = built.vertices[far];
+    built.vertices[far] = built.vertices[far - 1];
     assert_broken(&built, "coincide");
-    built.vertices[last] = (GIRIH_BARYCENTRIC_ONE - 2) | 1u << 16;
+    built.vertices[far] = (GIRIH_BARYCENTRIC_ONE - 2) | 1u << 16;
     assert_broken(&built, "degenerate or turned over");
-    built.vertices[last] = kept;
+    built.vertices[far] = kept;
 
     built.triangle_count--;
     assert_broken(&built, "add up to the whole");
