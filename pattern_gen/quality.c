@@ -95,20 +95,6 @@ double girih_quality_bound(const uint32_t segments[3]) {
     return angle_of_cotangent(girih_pattern_bound(segments) / sqrt(3));
 }
 
-uint32_t girih_quality_cache_misses(const uint32_t *indices, uint32_t triangle_count,
-                                    uint32_t *last) {
-    // Entries are numbered as they come in; a vertex is there while fewer than the cache's size
-    // came in after it.
-    uint32_t entered = GIRIH_CACHE_SIZE;
-    for (size_t n = 0; n < (size_t)triangle_count * 3; n++) {
-        uint32_t *entry = &last[indices[n]];
-        if (entered - *entry >= GIRIH_CACHE_SIZE) {
-            *entry = ++entered;
-        }
-    }
-    return entered - GIRIH_CACHE_SIZE;
-}
-
 static void corners_of(const girih_pattern *pattern, uint32_t triangle, uint32_t vertices[3]) {
     for (size_t corner = 0; corner < 3; corner++) {
         vertices[corner] = pattern->vertices[pattern->indices[(size_t)triangle * 3 + corner]];
@@ -202,19 +188,18 @@ girih_result girih_quality_measure(const girih_pattern *pattern, girih_quality *
                                    girih_error *error) {
     *quality = (girih_quality){.bound = girih_quality_bound(pattern->segments)};
     point *points = malloc(pattern->vertex_count * sizeof *points);
-    uint32_t *last = calloc(pattern->vertex_count, sizeof *last);
+    const uint64_t misses = girih_cache_misses(pattern->indices, (size_t)pattern->triangle_count * 3,
+                                               pattern->vertex_count, GIRIH_CACHE_SIZE);
     girih_result result = GIRIH_OK;
-    if (points && last) {
+    if (points && misses != UINT64_MAX) {
         measure_areas(pattern, quality);
         measure_angles(pattern, points, quality);
         measure_edges(pattern, quality);
-        quality->cache_misses =
-            girih_quality_cache_misses(pattern->indices, pattern->triangle_count, last);
+        quality->cache_misses = misses;
     } else {
         result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory to measure %u vertices",
                             pattern->vertex_count);
     }
-    free(last);
     free(points);
     return result;
 }

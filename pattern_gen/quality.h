@@ -9,6 +9,7 @@
 
 #include <stdint.h>
 
+#include "order.h"
 #include "pattern.h"
 
 // What a pattern is laid over: isosceles triangles, by the angle at the apex.
@@ -22,9 +23,6 @@ typedef enum girih_shape {
 
 #define GIRIH_HISTOGRAM_STEP 5u // degrees
 #define GIRIH_HISTOGRAM_COUNT (60u / GIRIH_HISTOGRAM_STEP)
-
-// Vertices that the cache of the modelled GPU keeps, first in first out.
-#define GIRIH_CACHE_SIZE 16u
 
 // A larger pattern counts for the worst use of the cache: in a small one the first visits outweigh
 // all others.
@@ -43,7 +41,7 @@ typedef struct girih_quality {
     double area_ratio;             // smallest area to largest, the same in every shape
     double shortest; // inner edges in units of the spacing at their middle; both 0 without
     double longest;  // an inner edge
-    uint32_t cache_misses;
+    uint64_t cache_misses;
     uint32_t degenerate; // triangles without area
     uint32_t measured;   // the others
 } girih_quality;
@@ -79,11 +77,6 @@ double girih_quality_angle(girih_shape shape, uint32_t apex, const uint32_t vert
 // girih_corner_flatness and girih_pattern_bound as angles.
 double girih_quality_corner_bound(uint32_t a, uint32_t b);
 double girih_quality_bound(const uint32_t segments[3]);
-
-// Vertices that a GPU with a cache of GIRIH_CACHE_SIZE would shade. `last` has an entry a vertex,
-// all zero.
-uint32_t girih_quality_cache_misses(const uint32_t *indices, uint32_t triangle_count,
-                                    uint32_t *last);
 
 girih_result girih_quality_measure(const girih_pattern *pattern, girih_quality *quality,
                                    girih_error *error);

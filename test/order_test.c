@@ -33,7 +33,7 @@ static void assert_lawful(const girih_pattern *pattern) {
     girih_error error = {.message = ""};
     const girih_result result =
         girih_laws_check_pattern(pattern->segments, pattern->vertices, pattern->vertex_count,
-                                 pattern->indices, pattern->triangle_count, &error);
+                                 pattern->indices, pattern->triangle_count, false, &error);
     assert_string_equal(error.message, "");
     assert_int_equal(result, GIRIH_OK);
 }
