@@ -26,10 +26,24 @@
 // Points rest when their steps are this part of the finest border's spacing.
 #define SMALLEST_STEP (1.0 / 48)
 
-// Kicks in a row without a better smallest angle before a pattern is taken as it is, and triangles that have been
-// looked at in all kicks together.
-#define FRUITLESS_KICKS 48u
+// Kicks in a row without a better smallest angle before a pattern is taken as it is: more of them while the angle is
+// far from what the corners allow. And triangles of all kicks together.
+#define FRUITLESS_KICKS 40u
+#define FRUITLESS_KICKS_AT_LAST 80u
+#define FAR_FROM_BOUND 0.75
 #define KICKED_TRIANGLES 60000u
+
+// What costs so much more than the best found so far will not become better by being kicked.
+#define WORTH_KICKING 1.5
+
+// Ways to grow that are tried.
+#define WAYS 9u
+
+// Edges between half and double the spacing are in proportion.
+#define SHORTEST_EVEN 0.5
+#define LONGEST_EVEN 2.0
+
+#define SHARE_OF_SPLITS 0.25
 
 // What is looked at on the way has this many points more than what was looked at before.
 #define GROWTH 0.06
@@ -60,6 +74,7 @@ typedef struct search {
     girih_triangulation kicked;
     girih_triangulation tried;
     girih_triangulation best; // of all
+    measured least;           // what it is like
     long_edge *edges;
 } search;
 
@@ -118,8 +133,9 @@ static measured measure(search *s, const girih_triangulation *t) {
     const double share = m.sine / s->bound;
     m.cost = cost_of_triangles(t) - girih_logarithm(share);
     m.cost += share < 0.9 ? 6 * (0.9 - share) : 0;
-    m.cost += m.shortest < 0.5 ? 20 * (0.5 - m.shortest) + 0.3 : 0;
-    m.cost += m.longest > 2 ? 10 * (m.longest - 2) + 0.3 : 0;
+    m.cost += t->triangle_count > s->most_triangles ? INFINITY : 0;
+    m.cost += m.shortest < SHORTEST_EVEN ? 20 * (SHORTEST_EVEN - m.shortest) + 2 : 0;
+    m.cost += m.longest > LONGEST_EVEN ? 10 * (m.longest - LONGEST_EVEN) + 2 : 0;
     return m;
 }
 
@@ -163,10 +179,16 @@ static measured settle_fully(search *s) {
     return best;
 }
 
-// Throws up to three points beside the flattest triangle about.
+// Throws up to three points beside the flattest triangle about, or puts another one into one of its edges: where a fan
+// has too few triangles, moving them does not help.
 static void kick(search *s, girih_triangulation *t) {
     uint32_t flattest = 0;
     girih_triangulation_flatness(t, &flattest);
+    if (next_random(s) < SHARE_OF_SPLITS) {
+        girih_triangulation_split(t, flattest, (uint32_t)(next_random(s) * 3));
+        girih_triangulation_flip_all(t);
+        return;
+    }
     for (int tries = 0; tries < 3; tries++) {
         const uint32_t corner = t->triangles[flattest].vertices[(int)(next_random(s) * 3)];
         const uint32_t count = girih_triangulation_star(t, corner);
@@ -198,8 +220,10 @@ static measured kick_on(search *s, measured best) {
     s->kicked.power = LAST_POWER;
     double flatness = girih_triangulation_flatness(&s->kicked, NULL);
     uint32_t left = KICKED_TRIANGLES / s->kicked.triangle_count;
-    for (uint32_t fruitless = 0; fruitless < FRUITLESS_KICKS && left > 0; left--) {
-        if (best.sine > 0.95 * s->bound && best.shortest >= 0.5) {
+    for (uint32_t fruitless = 0; left > 0; left--) {
+        const bool far = best.sine < FAR_FROM_BOUND * s->bound;
+        if (fruitless >= (far ? FRUITLESS_KICKS_AT_LAST : FRUITLESS_KICKS) ||
+            (best.sine > 0.9 * s->bound && best.shortest >= SHORTEST_EVEN)) {
             break;
         }
         fruitless++;
@@ -237,10 +261,14 @@ static bool split_edge(girih_triangulation *t, uint32_t a, uint32_t b) {
     return false;
 }
 
-// Splits the longest edges, one in twenty points at once. False where there is no more room.
-static bool grow(search *s) {
+// Splits the longest edges, one in twenty points at once; `noise` times a random number makes some of them longer. False
+// where there is no more room.
+static bool grow(search *s, uint32_t power, double noise) {
     girih_triangulation *t = &s->growing;
     const uint32_t count = list_edges(s, t);
+    for (uint32_t n = 0; n < count && noise > 0; n++) {
+        s->edges[n].ratio *= 1 + noise * next_random(s);
+    }
     qsort(s->edges, count, sizeof *s->edges, compare_edges);
     const uint32_t wanted = 1 + (t->point_count - t->border_count) / 20;
     uint32_t split = 0;
@@ -248,37 +276,59 @@ static bool grow(search *s) {
         split += split_edge(t, s->edges[n].a, s->edges[n].b) ? 1 : 0;
     }
     girih_triangulation_flip_all(t);
-    settle(s, t, FIRST_POWER, 2);
+    settle(s, t, power, 2);
     return split > 0;
 }
 
-static void find_best(search *s) {
-    double least = INFINITY;
+// Grows from one point on, settling by a power on the way, and leaves the least costly in s->best.
+static void grow_and_look(search *s, uint32_t power, double noise) {
     double next = 0;
+    girih_triangulation_restart(&s->growing);
     girih_triangulation_flip_all(&s->growing);
     do {
         const uint32_t inside = s->growing.point_count - s->growing.border_count;
         // With so many triangles not even the angle that the corners allow would cost less.
         if (s->growing.triangle_count > s->most_triangles ||
-            cost_of_triangles(&s->growing) > least) {
+            cost_of_triangles(&s->growing) > s->least.cost) {
             break;
         }
         if (inside < next) {
             continue;
         }
-        settle(s, &s->growing, FIRST_POWER, 60);
-        const measured now = measure(s, &s->growing);
+        settle(s, &s->growing, power, 60);
         // Too few points to be settled, unless it may be the only chance.
-        if (now.longest > 2.6 && s->growing.triangle_count + 2 < s->most_triangles) {
+        if (measure(s, &s->growing).longest > 2.6 &&
+            s->growing.triangle_count + 2 < s->most_triangles) {
             continue;
         }
         next = inside * (1 + (inside < LARGE_PATTERN ? GROWTH : LARGE_GROWTH));
-        const measured found = kick_on(s, settle_fully(s));
-        if (found.cost < least) {
-            least = found.cost;
+        measured found = settle_fully(s);
+        if (found.cost < s->least.cost + WORTH_KICKING) {
+            found = kick_on(s, found);
+        }
+        if (found.cost < s->least.cost) {
+            s->least = found;
             girih_triangulation_copy(&s->best, &s->settled);
         }
-    } while (grow(s));
+    } while (grow(s, power, noise));
+}
+
+static bool is_good(const search *s) {
+    return s->least.sine >= FAR_FROM_BOUND * s->bound && s->least.shortest >= SHORTEST_EVEN &&
+           s->least.longest <= LONGEST_EVEN;
+}
+
+// Where points are while there are few decides how many triangles meet at the corners. Where the first way leaves the
+// smallest angle far from what the corners allow, or edges out of proportion, others are tried.
+static void find_best(search *s) {
+    uint32_t power = FIRST_POWER;
+    for (uint32_t way = 0; way < WAYS && !is_good(s); way++) {
+        grow_and_look(s, power, way < 3 ? 0 : 0.4);
+        power = power == LAST_POWER ? FIRST_POWER : power * 4;
+        if (s->best.point_count > LARGE_PATTERN) {
+            break;
+        }
+    }
 }
 
 static girih_result create_search(search *s, const uint32_t segments[3], girih_error *error) {
@@ -288,6 +338,7 @@ static girih_result create_search(search *s, const uint32_t segments[3], girih_e
         .bound = sine_of(girih_pattern_bound(segments)),
         .most_triangles = n * n + girih_border_count(segments) - 3 * n,
         .random = 88172645463325252u,
+        .least = {.cost = INFINITY},
         .smallest_step = SMALLEST_STEP * GIRIH_BARYCENTRIC_ONE / n,
     };
     s->smallest_step = s->smallest_step > 1 ? s->smallest_step : 1;

@@ -24,15 +24,15 @@ static double squared_distance(const girih_point *a, const girih_point *b) {
     return sum;
 }
 
-// sqrt(3) times the cotangents of the angles, each with dot = (the two sides' squares - the third's) / 2.
-static void cotangents(const girih_point *a, const girih_point *b, const girih_point *c, double area, double found[3]) {
+// The largest cotangent, times sqrt(3): of the angle across from the shortest side, dot = (the squares of the two sides
+// beside it - the square of the shortest) / 2.
+static double flatness_of(const girih_point *a, const girih_point *b, const girih_point *c, double area) {
     const double ab = squared_distance(a, b);
     const double bc = squared_distance(b, c);
     const double ca = squared_distance(c, a);
-    const double scale = 0.5 / area;
-    found[0] = (ab + ca - bc) * scale;
-    found[1] = (ab + bc - ca) * scale;
-    found[2] = (bc + ca - ab) * scale;
+    double shortest = ab < bc ? ab : bc;
+    shortest = ca < shortest ? ca : shortest;
+    return (0.5 * (ab + bc + ca) - shortest) / area;
 }
 
 static double energy_of(const girih_point *a, const girih_point *b, const girih_point *c, uint32_t power) {
@@ -40,17 +40,11 @@ static double energy_of(const girih_point *a, const girih_point *b, const girih_
     if (area <= 0) {
         return INFINITY;
     }
-    double values[3];
-    cotangents(a, b, c, area, values);
-    double sum = 0;
-    for (int n = 0; n < 3; n++) {
-        double value = values[n] > 0 ? values[n] : 0;
-        for (uint32_t p = power; p > 1; p /= 2) {
-            value *= value;
-        }
-        sum += value;
+    double value = flatness_of(a, b, c, area);
+    for (uint32_t p = power; p > 1; p /= 2) {
+        value *= value;
     }
-    return sum;
+    return value;
 }
 
 static double corner_energy(const girih_triangulation *t, uint32_t a, uint32_t b, uint32_t c) {
@@ -64,14 +58,9 @@ double girih_triangle_energy(const girih_triangulation *t, uint32_t triangle) {
 
 double girih_triangle_flatness(const girih_triangulation *t, uint32_t triangle) {
     const uint32_t *v = t->triangles[triangle].vertices;
-    const double area = determinant(&t->points[v[0]], &t->points[v[1]], &t->points[v[2]]);
-    if (area <= 0) {
-        return INFINITY;
-    }
-    double values[3];
-    cotangents(&t->points[v[0]], &t->points[v[1]], &t->points[v[2]], area, values);
-    const double larger = values[0] > values[1] ? values[0] : values[1];
-    return larger > values[2] ? larger : values[2];
+    const girih_point *p = t->points;
+    const double area = determinant(&p[v[0]], &p[v[1]], &p[v[2]]);
+    return area > 0 ? flatness_of(&p[v[0]], &p[v[1]], &p[v[2]], area) : INFINITY;
 }
 
 double girih_triangulation_energy(const girih_triangulation *t) {
@@ -372,7 +361,8 @@ bool girih_triangulation_move(girih_triangulation *t, uint32_t point, double sma
     const girih_point start = t->points[point];
     girih_point place = start;
     const double before = star_energy(t, point, count, INFINITY);
-    double best = before * (1 - 1e-9);
+    // Less than a hundred-thousandth of an angle is not worth a move.
+    double best = before * (1 - 1e-5 * t->power);
     bool found = false;
     for (int direction = 0; direction < directions; direction++) {
         const girih_point tried = moved(t, point, direction, step);
@@ -536,12 +526,18 @@ girih_result girih_triangulation_create(girih_triangulation *t, const uint32_t s
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory for %zu vertices", capacity);
     }
     place_border(t);
+    girih_triangulation_restart(t);
+    return GIRIH_OK;
+}
+
+void girih_triangulation_restart(girih_triangulation *t) {
+    t->point_count = t->border_count;
+    t->triangle_count = 0;
     girih_point middle = {{10923, 10923, 10922}};
     if (t->symmetry_corner >= 0) {
         middle = onto_axis(t, middle);
     }
     join_to_border(t, add_point(t, middle, one / 8));
-    return GIRIH_OK;
 }
 
 void girih_triangulation_free(girih_triangulation *t) {
