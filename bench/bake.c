@@ -103,7 +103,7 @@ static girih_result allocate(girih_arrays *arrays, uint32_t binding, uint64_t co
 
 static girih_result make_twin(case_state *s, girih_error *error) {
     girih_scene_table table;
-    girih_result result = girih_pack_catalogue(&s->arrays, girih_catalogue_dyadic(), error);
+    girih_result result = girih_pack_catalogue(&s->arrays, bench_uniform_dyadic(), error);
     if (result == GIRIH_OK) {
         result = girih_pack_scene(&s->arrays, &table, &s->mesh, 1, 0, error);
     }
@@ -255,7 +255,7 @@ static girih_result draw_output(const bench_run *run, bench_target *target, cons
     static const uint32_t max_level = 0;
     const bench_job_desc desc = {.name = name,
                                  .mesh = &mesh,
-                                 .catalogue = girih_catalogue_dyadic(),
+                                 .catalogue = bench_uniform_dyadic(),
                                  .surface = GIRIH_SURFACE_FLAT,
                                  .frame = bench_random_frame,
                                  .user = &max_level};

@@ -38,6 +38,11 @@ girih_result bench_ellipsoid(uint32_t slices, uint32_t stacks, const float radii
 girih_result bench_torus(uint32_t slices, uint32_t sides, float radius, float thickness,
                          bench_mesh *mesh, girih_error *error);
 
+// Dyadic levels 0..6 and linear 1..16 of the family `uniform`, whatever the built-in catalogues are: its numbers of
+// triangles are known by formula, so that what a case asks of all methods stays as it is.
+const girih_catalogue *bench_uniform_dyadic(void);
+const girih_catalogue *bench_uniform_linear(void);
+
 // A dyadic catalogue of the uniform family with levels 0..max, in *bytes, the caller's.
 girih_result bench_catalogue_create(uint32_t max, void **bytes, const girih_catalogue **catalogue,
                                     girih_error *error);

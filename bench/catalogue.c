@@ -1,4 +1,4 @@
-// Catalogues beyond the built-in ones, generated when they are needed.
+// Catalogues beyond the built-in ones: of the family `uniform`, linked in or generated when they are needed.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,6 +7,17 @@
 #include "bench.h"
 #include "error.h"
 #include "writer.h"
+
+extern const uint64_t bench_uniform_dyadic_words[];
+extern const uint64_t bench_uniform_linear_words[];
+
+const girih_catalogue *bench_uniform_dyadic(void) {
+    return (const void *)bench_uniform_dyadic_words;
+}
+
+const girih_catalogue *bench_uniform_linear(void) {
+    return (const void *)bench_uniform_linear_words;
+}
 
 static girih_result read_catalogue(const char *path, void **bytes, size_t *size,
                                    girih_error *error) {

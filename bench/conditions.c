@@ -110,8 +110,8 @@ static girih_result run_condition(const bench_run *run, bench_target *target,
     if (result == GIRIH_OK) {
         const bench_job_desc desc = {.name = c->name,
                                      .mesh = &mesh,
-                                     .catalogue = c->linear ? girih_catalogue_linear()
-                                                            : girih_catalogue_dyadic(),
+                                     .catalogue = c->linear ? bench_uniform_linear()
+                                                            : bench_uniform_dyadic(),
                                      .surface = c->surface,
                                      .frame = c->frame,
                                      .user = c->user};

@@ -24,7 +24,7 @@ static const bench_method *const methods[] = {
 static const struct {
     const char *name;
     const girih_catalogue *(*catalogue)(void);
-} spacings[] = {{"dyadic", girih_catalogue_dyadic}, {"linear", girih_catalogue_linear}};
+} spacings[] = {{"dyadic", bench_uniform_dyadic}, {"linear", bench_uniform_linear}};
 
 // The surface: so many points of each triangle, and so many segments of each edge where it is
 // approximated, four times as many as the finest that is measured has.
@@ -311,7 +311,7 @@ static girih_result draw_surface(const bench_run *run, bench_target *target, sur
                                  girih_error *error) {
     const bench_job_desc desc = {.name = "surface",
                                  .mesh = s->mesh,
-                                 .catalogue = girih_catalogue_dyadic(),
+                                 .catalogue = bench_uniform_dyadic(),
                                  .surface = GIRIH_SURFACE_PN,
                                  .frame = surface_frame,
                                  .frame_count = 2};

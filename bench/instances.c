@@ -193,7 +193,7 @@ girih_result bench_instances(const bench_run *run, girih_error *error) {
     for (size_t n = 0; n < sizeof cases / sizeof *cases && result == GIRIH_OK; ++n) {
         const bench_job_desc desc = {.name = cases[n].name,
                                      .mesh = &mesh,
-                                     .catalogue = girih_catalogue_dyadic(),
+                                     .catalogue = bench_uniform_dyadic(),
                                      .surface = GIRIH_SURFACE_PN,
                                      .frame = frame};
         result = bench_run_job(run, target, &desc, cases[n].methods, 2, error);

@@ -197,7 +197,7 @@ static girih_result run_job(const bench_run *run, bench_target *target, const ch
     json_t *figures = json_object();
     const bench_job_desc desc = {.name = name,
                                  .mesh = mesh,
-                                 .catalogue = girih_catalogue_linear(),
+                                 .catalogue = bench_uniform_linear(),
                                  .surface = surface,
                                  .frame = frame,
                                  .user = l,

@@ -27,7 +27,7 @@ static girih_result run_case(const bench_run *run, bench_target *target, size_t 
     if (result == GIRIH_OK) {
         const bench_job_desc desc = {.name = cases[n].name,
                                      .mesh = &mesh,
-                                     .catalogue = girih_catalogue_dyadic(),
+                                     .catalogue = bench_uniform_dyadic(),
                                      .surface = GIRIH_SURFACE_PN,
                                      .frame = bench_random_frame,
                                      .user = &cases[n].max_level};

@@ -82,7 +82,7 @@ typedef struct draw {
 } draw;
 
 static const girih_catalogue *catalogue_of(const draw *d) {
-    return d->linear ? girih_catalogue_linear() : girih_catalogue_dyadic();
+    return d->linear ? bench_uniform_linear() : bench_uniform_dyadic();
 }
 
 typedef struct found {
@@ -106,7 +106,7 @@ typedef struct search {
 } search;
 
 static girih_result begin_search(search *s, bool linear, girih_error *error) {
-    const girih_catalogue *catalogue = linear ? girih_catalogue_linear() : girih_catalogue_dyadic();
+    const girih_catalogue *catalogue = linear ? bench_uniform_linear() : bench_uniform_dyadic();
     girih_result result =
         bench_cpu_levels_create(s->mesh, catalogue, GIRIH_SURFACE_PN, &s->levels, error);
     if (result == GIRIH_OK) {

@@ -211,7 +211,7 @@ static int run_generate(const arguments *arguments) {
         return wrong_use(program, "--max is a number from %u to %u with --spacing %s, not '%s'",
                          first, last, arguments->spacing, arguments->max);
     }
-    const char *name = arguments->family ? arguments->family : girih_family_uniform.name;
+    const char *name = arguments->family ? arguments->family : girih_family_optimal.name;
     const girih_family *family = girih_family_find(name);
     if (!family) {
         return wrong_use(program, "there is no family '%s'; girih-patterns --help lists them", name);

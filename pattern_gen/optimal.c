@@ -405,7 +405,7 @@ static uint32_t grid_position(uint32_t n, const uint32_t steps[3]) {
     } else {
         const uint32_t other = steps[a] == steps[largest] ? b : a;
         const uint32_t equal = 3 - largest - other;
-        weights[other] += weights[other] % 2;
+        weights[other] = 2 * ((steps[other] * GIRIH_BARYCENTRIC_ONE + n) / (2 * n));
         weights[largest] = (GIRIH_BARYCENTRIC_ONE - weights[other]) / 2;
         weights[equal] = weights[largest];
     }

@@ -94,7 +94,7 @@ expect_one_line 'a folder that is not there'
 # --- import: what is dumped comes back, what is wrong is refused ---
 expect 0 dump small.gpat --json
 cp out small.json
-json 'o["family"] == "uniform" and o["denominator"] == 32768'
+json 'o["family"] == "optimal" and o["denominator"] == 32768'
 expect 0 import small.json -o again.gpat
 same again.gpat small.gpat
 change 'o["patterns"].reverse(); o["family"] = "reversed"'
@@ -147,7 +147,7 @@ json '0 < o["worst_area_ratio"] <= o["mean_area_ratio"] <= 1 and 0.4 < o["cache_
 
 # --- compare ---
 expect 0 compare small.gpat reversed.gpat --json
-json 'o["a"]["family"] == "uniform" and o["b"]["family"] == "reversed" and o["common"]["base_patterns"] == 10'
+json 'o["a"]["family"] == "optimal" and o["b"]["family"] == "reversed" and o["common"]["base_patterns"] == 10'
 json 'o["common"]["a"] == o["common"]["b"] and o["largest_differences"] == []'
 json 'o["common"]["a"]["larger_min_angle"] == o["common"]["b"]["fewer_triangles"] == 0'
 # 1, 2, 4 and 8 segments against 1, 2 and 3: the patterns of 1 and 2.

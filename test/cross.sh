@@ -27,7 +27,7 @@ done
 
 build=$folder/build
 if ! meson setup "$build" "$source" --cross-file "$source/test/cross/mingw-w64.ini" --werror \
-    -Dc_args="-I$folder/include" >"$folder/log" 2>&1 || ! ninja -C "$build" >>"$folder/log" 2>&1; then
+    -Dcatalogues="${2:-}" -Dc_args="-I$folder/include" >"$folder/log" 2>&1 || ! ninja -C "$build" >>"$folder/log" 2>&1; then
     tail -n 60 "$folder/log" >&2
     exit 1
 fi

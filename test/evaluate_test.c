@@ -45,17 +45,14 @@ static uint32_t edge_segments(const stages *s, uint32_t edge) {
     return s->arrays.frame.linear_spacing ? level + 1 : 1u << level;
 }
 
-// n^2 - 3n + the sum of the segments, n the largest: the family `uniform`.
 static uint64_t triangles_of(const stages *s, const girih_mesh *mesh, uint32_t instance,
                              uint32_t triangle) {
-    uint64_t largest = 0, sum = 0;
+    uint32_t levels[3];
     for (uint32_t n = 0; n < 3; ++n) {
-        const uint32_t segments = edge_segments(
-            s, instance * mesh->edge_count + mesh->triangle_edges[3 * triangle + n]);
-        largest = segments > largest ? segments : largest;
-        sum += segments;
+        levels[n] = s->arrays.words[GIRIH_BIND_LEVELS][instance * mesh->edge_count +
+                                                       mesh->triangle_edges[3 * triangle + n]];
     }
-    return largest * largest + sum - 3 * largest;
+    return stages_pattern_triangles(s, levels);
 }
 
 static void triangle_positions(const stages *s, uint32_t triangle, double p[3][3]) {

@@ -1,5 +1,4 @@
-// The families after papers: laws, numbers of triangles, symmetry, and small patterns known by
-// hand.
+// The families: laws, numbers of triangles, symmetry, angles, and small patterns known by hand.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -13,6 +12,7 @@
 #include "family.h"
 #include "girih/catalogue.h"
 #include "laws.h"
+#include "quality.h"
 
 static girih_pattern build(const girih_family *family, const uint32_t segments[3]) {
     girih_pattern built;
@@ -129,7 +129,7 @@ static uint32_t mirrored(uint32_t vertex, int corner) {
     uint32_t u = vertex & 0xffff;
     uint32_t v = vertex >> 16;
     uint32_t w = GIRIH_BARYCENTRIC_ONE - u - v;
-    return corner == 1 ? (w | v << 16) : (v | u << 16);
+    return corner == 0 ? (u | w << 16) : corner == 1 ? (w | v << 16) : (v | u << 16);
 }
 
 // Triangles by the sorted positions of their corners, in sorted order.
@@ -177,22 +177,27 @@ static void assert_mirrored_vertices(const girih_pattern *built, int corner) {
     free(here);
 }
 
+// `across`: triangles across the axis may differ.
+static void assert_mirrored(const girih_pattern *built, int corner, bool across) {
+    assert_mirrored_vertices(built, corner);
+    uint32_t(*keys)[3] = triangle_keys(built, false, corner);
+    uint32_t(*others)[3] = triangle_keys(built, true, corner);
+    for (uint32_t n = 0; n < built->triangle_count; n++) {
+        bool found = bsearch(keys[n], others, built->triangle_count, sizeof *others, compare_keys);
+        bool collapsed = keys[n][0] == keys[n][1] || keys[n][1] == keys[n][2];
+        assert_true(found || collapsed || (across && is_across(keys[n], corner)));
+    }
+    free(others);
+    free(keys);
+}
+
 static void assert_symmetric(const girih_family *family, const uint32_t segments[3]) {
     int corner = girih_symmetry_corner(segments);
     if (corner < 0) {
         return;
     }
     girih_pattern built = build(family, segments);
-    assert_mirrored_vertices(&built, corner);
-    uint32_t(*keys)[3] = triangle_keys(&built, false, corner);
-    uint32_t(*others)[3] = triangle_keys(&built, true, corner);
-    for (uint32_t n = 0; n < built.triangle_count; n++) {
-        bool found = bsearch(keys[n], others, built.triangle_count, sizeof *others, compare_keys);
-        bool collapsed = keys[n][0] == keys[n][1] || keys[n][1] == keys[n][2];
-        assert_true(found || collapsed || is_across(keys[n], corner));
-    }
-    free(others);
-    free(keys);
+    assert_mirrored(&built, corner, true);
     girih_pattern_free(&built);
 }
 
@@ -226,7 +231,9 @@ static bool has_triangle(const girih_pattern *built, const uint32_t corners[3]) 
 
 static void assert_triangles(const girih_family *family, const uint32_t segments[3],
                              uint32_t vertex_count, const uint32_t (*expected)[3], uint32_t count) {
-    girih_pattern built = build(family, segments);
+    // Not yet in an order for caches.
+    girih_pattern built;
+    assert_int_equal(family->build(family, segments, &built, NULL), GIRIH_OK);
     assert_int_equal(built.vertex_count, vertex_count);
     assert_int_equal(built.triangle_count - count_collapsed(&built), count);
     for (uint32_t n = 0; n < count; n++) {
@@ -311,8 +318,115 @@ static void test_false_joints_are_refused(void **state) {
     assert_int_equal(check(&built, true, &error), GIRIH_OK);
 }
 
+// Sums over patterns.
+typedef struct figures {
+    uint32_t patterns;
+    uint32_t triangles;
+    double angles;
+    double worst_angle;
+} figures;
+
+// One pattern of the family `optimal`, with all that holds for each.
+static void take_optimal(const uint32_t segments[3], figures *sums) {
+    girih_pattern built = build(&girih_family_optimal, segments);
+    assert_lawful(&girih_family_optimal, &built);
+    const uint32_t n = segments[0];
+    assert_true(built.triangle_count <= n * n + girih_border_count(segments) - 3 * n);
+    // [2,2,1] has a trapezium to cut in two, and three triangles are better than five.
+    if (girih_symmetry_corner(segments) >= 0 && !(n == 2 && segments[1] == 2 && segments[2] == 1)) {
+        // The centroid of a grid is symmetric about P3 alone.
+        assert_mirrored(&built, segments[0] == segments[2] ? 2 : girih_symmetry_corner(segments), false);
+    }
+    girih_quality quality;
+    assert_int_equal(girih_quality_measure(&built, &quality, NULL), GIRIH_OK);
+    assert_true(quality.longest <= 0 || (quality.shortest >= 0.499 && quality.longest <= 2.001));
+    const double angle = quality.angles[GIRIH_SHAPE_EQUILATERAL];
+    assert_true(angle <= quality.bound + 0.1);
+    sums->patterns++;
+    sums->triangles += built.triangle_count;
+    sums->angles += angle;
+    sums->worst_angle = angle < sums->worst_angle ? angle : sums->worst_angle;
+    girih_pattern_free(&built);
+}
+
+// The best table known before has 8,398 triangles, 18.0 degrees in the mean and 4.5 at worst.
+static void test_optimal_is_better_than_known_tables(void **state) {
+    (void)state;
+    figures sums = {.worst_angle = 60};
+    for (uint32_t i = 1; i <= 11; i++) {
+        for (uint32_t j = 1; j <= i; j++) {
+            for (uint32_t k = 1; k <= j; k++) {
+                take_optimal((const uint32_t[3]){i, j, k}, &sums);
+            }
+        }
+    }
+    print_message("linear 1..11: %u triangles, smallest angles %.2f in the mean, %.2f at worst\n", sums.triangles,
+                  sums.angles / sums.patterns, sums.worst_angle);
+    assert_int_equal(sums.patterns, 286);
+    assert_true(sums.triangles <= 8398);
+    assert_true(sums.angles / sums.patterns >= 24);
+    assert_true(sums.worst_angle >= 11);
+}
+
+static void test_optimal_dyadic(void **state) {
+    (void)state;
+    figures sums = {.worst_angle = 60};
+    for (uint32_t i = 0; i <= 4; i++) {
+        for (uint32_t j = 0; j <= i; j++) {
+            for (uint32_t k = 0; k <= j; k++) {
+                take_optimal((const uint32_t[3]){1u << i, 1u << j, 1u << k}, &sums);
+            }
+        }
+    }
+    assert_true(sums.angles / sums.patterns >= 24);
+    assert_true(sums.worst_angle >= 10.5);
+}
+
+// The regular grid to within a unit, symmetric in all three ways, the centroid where everybody expects it.
+static void test_optimal_grids(void **state) {
+    (void)state;
+    for (uint32_t n = 1; n <= 48; n++) {
+        girih_pattern built = build(&girih_family_optimal, (const uint32_t[3]){n, n, n});
+        assert_lawful(&girih_family_optimal, &built);
+        assert_int_equal(built.triangle_count, n * n);
+        uint32_t centroids = 0;
+        for (uint32_t m = 0; m < built.vertex_count; m++) {
+            const uint32_t u = built.vertices[m] & 0xffff;
+            const uint32_t v = built.vertices[m] >> 16;
+            const uint32_t weights[3] = {u, v, GIRIH_BARYCENTRIC_ONE - u - v};
+            for (int corner = 0; corner < 3; corner++) {
+                const uint32_t step = (weights[corner] * n + GIRIH_BARYCENTRIC_ONE / 2) / GIRIH_BARYCENTRIC_ONE;
+                const double exact = (double)step * GIRIH_BARYCENTRIC_ONE / n;
+                assert_true(weights[corner] <= exact + 1 && weights[corner] >= exact - 1);
+            }
+            centroids += u == 10923 && v == 10923;
+        }
+        assert_int_equal(centroids, n % 3 == 0);
+        // The centroid's three weights cannot be equal; all else is symmetric in every way.
+        for (int corner = 0; corner < 3 && n % 3 != 0; corner++) {
+            assert_mirrored(&built, corner, false);
+        }
+        girih_pattern_free(&built);
+    }
+}
+
+static void test_optimal_is_the_same_twice(void **state) {
+    (void)state;
+    const uint32_t segments[3] = {19, 7, 4};
+    girih_pattern first = build(&girih_family_optimal, segments);
+    girih_pattern second = build(&girih_family_optimal, segments);
+    assert_int_equal(first.vertex_count, second.vertex_count);
+    assert_int_equal(first.triangle_count, second.triangle_count);
+    assert_memory_equal(first.vertices, second.vertices, first.vertex_count * sizeof *first.vertices);
+    assert_memory_equal(first.indices, second.indices, (size_t)first.triangle_count * 3 * sizeof *first.indices);
+    girih_pattern_free(&first);
+    girih_pattern_free(&second);
+}
+
 static void test_names(void **state) {
     (void)state;
+    assert_ptr_equal(girih_family_at(0), &girih_family_optimal);
+    assert_ptr_equal(girih_family_find("optimal"), &girih_family_optimal);
     assert_ptr_equal(girih_family_find("quadtri"), &girih_family_quadtri);
     assert_ptr_equal(girih_family_find("semiuniform"), &girih_family_semiuniform);
 }
@@ -326,6 +440,10 @@ int main(void) {
         cmocka_unit_test(test_thin_triangles_have_few),
         cmocka_unit_test(test_small_semiuniform_patterns),
         cmocka_unit_test(test_false_joints_are_refused),
+        cmocka_unit_test(test_optimal_is_better_than_known_tables),
+        cmocka_unit_test(test_optimal_dyadic),
+        cmocka_unit_test(test_optimal_grids),
+        cmocka_unit_test(test_optimal_is_the_same_twice),
         cmocka_unit_test(test_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -259,15 +259,12 @@ static void sources_and_materials(void **state) {
         const girih_mesh *mesh = meshes[instances[instance].mesh];
         const uint32_t first_edge = instance == 1 ? 0 : meshes[2]->edge_count;
         for (uint32_t triangle = 0; triangle < mesh->triangle_count; ++triangle) {
-            uint32_t largest = 0, sum = 0;
+            uint32_t levels[3];
             for (uint32_t n = 0; n < 3; ++n) {
-                const uint32_t segments =
-                    1u << list(
-                        &s, GIRIH_BIND_LEVELS)[first_edge + mesh->triangle_edges[3 * triangle + n]];
-                largest = segments > largest ? segments : largest;
-                sum += segments;
+                levels[n] = list(
+                    &s, GIRIH_BIND_LEVELS)[first_edge + mesh->triangle_edges[3 * triangle + n]];
             }
-            assert_int_equal(counted[instance][triangle], largest * largest + sum - 3 * largest);
+            assert_int_equal(counted[instance][triangle], stages_pattern_triangles(&s, levels));
         }
     }
     stages_end(&s);

@@ -105,6 +105,25 @@ void stages_refine(stages *s, const girih_frame *frame, girih_surface surface) {
     stages_write(s, surface);
 }
 
+uint32_t stages_pattern_triangles(const stages *s, const uint32_t levels[3]) {
+    const girih_catalogue *catalogue =
+        s->arrays.frame.linear_spacing ? girih_catalogue_linear() : girih_catalogue_dyadic();
+    uint32_t least = levels[0], largest = levels[0], sum = 0;
+    for (int n = 0; n < 3; ++n) {
+        least = levels[n] < least ? levels[n] : least;
+        largest = levels[n] > largest ? levels[n] : largest;
+        sum += levels[n];
+    }
+    for (uint32_t rank = 0; rank < catalogue->pattern_count; ++rank) {
+        const girih_base_pattern *pattern = girih_catalogue_pattern(catalogue, rank);
+        if (pattern->levels[0] == largest && pattern->levels[1] == sum - largest - least && pattern->levels[2] == least) {
+            return pattern->triangle_count;
+        }
+    }
+    fail();
+    return 0;
+}
+
 girih_statistics stages_statistics(const stages *s) {
     return girih_read_status(&s->arrays.frame, s->arrays.words[GIRIH_BIND_STATUS]);
 }

@@ -29,6 +29,9 @@ void stages_write(stages *stages, girih_surface surface);
 // A frame from its beginning to its end.
 void stages_refine(stages *stages, const girih_frame *frame, girih_surface surface);
 
+// The triangles that the built-in catalogue of the stages' spacing has for edges of these levels, in any order.
+uint32_t stages_pattern_triangles(const stages *stages, const uint32_t levels[3]);
+
 girih_statistics stages_statistics(const stages *stages);
 
 // Output vertex `vertex`'s position, and its normal followed by its attributes.

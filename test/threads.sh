@@ -2,15 +2,17 @@
 # Two contexts and four recording threads under ThreadSanitizer: builds girih and threads_test with
 # it in a folder of its own, runs the test, and shows with a deliberate race that a race would be
 # seen; then installs that girih, and does the same with examples/renderer, which is built outside
-# the tree with pkg-config alone. Usage: threads.sh [SOURCE_FOLDER]
+# the tree with pkg-config alone. Usage: threads.sh [SOURCE_FOLDER
+# [FOLDER_OF_CATALOGUES]]
 set -eu
 source=${1:-$(dirname "$0")/..}
 source=$(cd "$source" && pwd)
+catalogues=${2:-}
 build=$(mktemp -d)
 trap 'rm -rf "$build"' EXIT
 
 if ! meson setup "$build" "$source" --buildtype=debugoptimized -Db_sanitize=thread \
-    -Db_lundef=false --prefix="$build/root" --libdir=lib >"$build/setup.out" 2>&1 ||
+    -Db_lundef=false -Dcatalogues="$catalogues" --prefix="$build/root" --libdir=lib >"$build/setup.out" 2>&1 ||
     ! ninja -C "$build" -j "${JOBS:-2}" test/threads_test >"$build/ninja.out" 2>&1; then
     tail -n 30 "$build/setup.out" "$build/ninja.out" >&2
     echo "threads.sh: no build with ThreadSanitizer" >&2
