@@ -291,7 +291,7 @@ static void check_cpu(gpu_variant variant) {
     gpu_readback read = {0};
     for (int mode = GIRIH_MODE_BAKED; mode <= GIRIH_MODE_WELDED; ++mode) {
         girih_plan *plan = own_make_plan(context, plan_of(scene, program, (girih_mode)mode));
-        for (uint32_t seed = 1; seed <= 3; ++seed) {
+        for (uint32_t seed = 1; seed <= 6; ++seed) {
             const girih_frame frame = {.rule = GIRIH_LEVEL_RANDOM,
                                        .segments = 16,
                                        .seed = seed,

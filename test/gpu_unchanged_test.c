@@ -458,7 +458,7 @@ static void check_padding(bool few, bool windows) {
         // Made with the plan's vertex input, and room for what follows.
         gpu_draw(&capture, plan, &frame, ROOM);
         if (which == OVERFLOWS) {
-            plan->arrays.frame.max_triangles = 1000;
+            plan->arrays.frame.max_triangles = plan->arrays.frame.triangle_count;
         }
         gpu_refine(&device, plan, &frame, &read);
         plan->arrays.frame.max_triangles = ROOM;
