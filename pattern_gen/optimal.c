@@ -36,8 +36,9 @@
 // What costs so much more than the best found so far will not become better by being kicked.
 #define WORTH_KICKING 1.5
 
-// Ways to grow that are tried.
+// Ways to grow that are tried, as long as not so many triangles have been settled in all.
 #define WAYS 9u
+#define SETTLED_TRIANGLES 3000000u
 
 // Edges between half and double the spacing are in proportion.
 #define SHORTEST_EVEN 0.5
@@ -69,6 +70,7 @@ typedef struct search {
     uint32_t most_triangles;
     uint64_t random;
     double smallest_step;
+    uint64_t settled_triangles;
     girih_triangulation growing;
     girih_triangulation settled; // the best that came of it
     girih_triangulation kicked;
@@ -147,8 +149,9 @@ static void wake(const search *s, girih_triangulation *t) {
 }
 
 // Moves points until they rest, at most `sweeps` times each.
-static void settle(const search *s, girih_triangulation *t, uint32_t power, uint32_t sweeps) {
+static void settle(search *s, girih_triangulation *t, uint32_t power, uint32_t sweeps) {
     t->power = power;
+    s->settled_triangles += t->triangle_count;
     bool awake = true;
     for (uint32_t sweep = 0; sweep < sweeps && awake; sweep++) {
         awake = false;
@@ -322,12 +325,10 @@ static bool is_good(const search *s) {
 // smallest angle far from what the corners allow, or edges out of proportion, others are tried.
 static void find_best(search *s) {
     uint32_t power = FIRST_POWER;
-    for (uint32_t way = 0; way < WAYS && !is_good(s); way++) {
+    for (uint32_t way = 0;
+         way == 0 || (way < WAYS && !is_good(s) && s->settled_triangles < SETTLED_TRIANGLES); way++) {
         grow_and_look(s, power, way < 3 ? 0 : 0.4);
         power = power == LAST_POWER ? FIRST_POWER : power * 4;
-        if (s->best.point_count > LARGE_PATTERN) {
-            break;
-        }
     }
 }
 
