@@ -17,7 +17,7 @@ struct girih_family {
     // fails.
     girih_result (*build)(const girih_family *family, const uint32_t segments[3], girih_pattern *pattern,
                           girih_error *error);
-    const void *data; // the family's own
+    const void *data; // the family's own; of optimal a seed, a uint32_t, NULL for 0
     bool ordered;     // its triangles come in the order to be drawn in, which is kept
 };
 

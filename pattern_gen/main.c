@@ -38,6 +38,7 @@ typedef struct arguments {
     const char *spacing;
     const char *max;
     const char *family;
+    const char *seed;
     const char *symbol;
     const char *patterns;
     const char *columns;
@@ -58,6 +59,7 @@ enum {
     OPTION_SPACING = 256,
     OPTION_MAX,
     OPTION_FAMILY,
+    OPTION_SEED,
     OPTION_NAME,
     OPTION_JSON,
     OPTION_PATTERNS,
@@ -73,6 +75,7 @@ static const struct argp_option generate_options[] = {
      "dyadic: level l splits an edge into 2^l segments; linear: into l + 1", 0},
     {"max", OPTION_MAX, "N", 0, "Levels 0..N (dyadic) or 1..N segments (linear)", 0},
     {"family", OPTION_FAMILY, "NAME", 0, "Of patterns; --help of girih-patterns lists them", 0},
+    {"seed", OPTION_SEED, "N", 0, "Of the family optimal's random numbers (0): other patterns of much the same quality", 0},
     OUTPUT_OPTION,
     END_OF_OPTIONS,
 };
@@ -217,8 +220,14 @@ static int run_generate(const arguments *arguments) {
         return wrong_use(program, "there is no family '%s'; girih-patterns --help lists them", name);
     }
     girih_error error;
+    uint32_t seed = 0;
+    if (arguments->seed && (!read_number(arguments->seed, &seed) || family != &girih_family_optimal)) {
+        return wrong_use(program, "--seed is a number, for the family optimal, not '%s'", arguments->seed);
+    }
+    girih_family seeded = *family;
+    seeded.data = &seed;
     girih_spacing spacing = dyadic ? GIRIH_SPACING_DYADIC : GIRIH_SPACING_LINEAR;
-    if (girih_catalogue_write(family, spacing, max, arguments->output, show_progress, &error) !=
+    if (girih_catalogue_write(&seeded, spacing, max, arguments->output, show_progress, &error) !=
         GIRIH_OK) {
         return failed(arguments, NULL, &error);
     }
@@ -526,6 +535,9 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
         return 0;
     case OPTION_MAX:
         arguments->max = value;
+        return 0;
+    case OPTION_SEED:
+        arguments->seed = value;
         return 0;
     case OPTION_FAMILY:
         arguments->family = value;

@@ -8,7 +8,7 @@
 // looked at on the way from few points to many, the pattern is kept whose smallest angle is large for its number of
 // triangles and whose edges are between half and double the spacing.
 //
-// Random numbers have a fixed seed and computing is in IEEE double precision without functions that machines round
+// Random numbers have a seed and computing is in IEEE double precision without functions that machines round
 // differently, so the same pattern comes out everywhere.
 #include <math.h>
 #include <stdbool.h>
@@ -332,13 +332,13 @@ static void find_best(search *s) {
     }
 }
 
-static girih_result create_search(search *s, const uint32_t segments[3], girih_error *error) {
+static girih_result create_search(search *s, const uint32_t segments[3], uint32_t seed, girih_error *error) {
     const uint32_t n = segments[0];
     *s = (search){
         .spacing = girih_spacing_create(segments),
         .bound = sine_of(girih_pattern_bound(segments)),
         .most_triangles = n * n + girih_border_count(segments) - 3 * n,
-        .random = 88172645463325252u,
+        .random = 88172645463325252u + seed * UINT64_C(0x9e3779b97f4a7c15),
         .least = {.cost = INFINITY},
         .smallest_step = SMALLEST_STEP * GIRIH_BARYCENTRIC_ONE / n,
     };
@@ -428,7 +428,6 @@ static girih_result build_grid(const uint32_t segments[3], girih_pattern *patter
 
 static girih_result build(const girih_family *family, const uint32_t segments[3], girih_pattern *pattern,
                           girih_error *error) {
-    (void)family;
     if (segments[0] == segments[2]) {
         return build_grid(segments, pattern, error);
     }
@@ -437,7 +436,7 @@ static girih_result build(const girih_family *family, const uint32_t segments[3]
         return girih_family_uniform.build(&girih_family_uniform, segments, pattern, error);
     }
     search s;
-    girih_result result = create_search(&s, segments, error);
+    girih_result result = create_search(&s, segments, family->data ? *(const uint32_t *)family->data : 0, error);
     if (result == GIRIH_OK) {
         find_best(&s);
         result = take(&s.best, pattern, error);

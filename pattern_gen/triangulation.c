@@ -51,30 +51,22 @@ static double corner_energy(const girih_triangulation *t, uint32_t a, uint32_t b
     return energy_of(&t->points[a], &t->points[b], &t->points[c], t->power);
 }
 
-double girih_triangle_energy(const girih_triangulation *t, uint32_t triangle) {
+static double triangle_energy(const girih_triangulation *t, uint32_t triangle) {
     const uint32_t *v = t->triangles[triangle].vertices;
     return corner_energy(t, v[0], v[1], v[2]);
 }
 
-double girih_triangle_flatness(const girih_triangulation *t, uint32_t triangle) {
+static double triangle_flatness(const girih_triangulation *t, uint32_t triangle) {
     const uint32_t *v = t->triangles[triangle].vertices;
     const girih_point *p = t->points;
     const double area = determinant(&p[v[0]], &p[v[1]], &p[v[2]]);
     return area > 0 ? flatness_of(&p[v[0]], &p[v[1]], &p[v[2]], area) : INFINITY;
 }
 
-double girih_triangulation_energy(const girih_triangulation *t) {
-    double sum = 0;
-    for (uint32_t n = 0; n < t->triangle_count; n++) {
-        sum += girih_triangle_energy(t, n);
-    }
-    return sum;
-}
-
 double girih_triangulation_flatness(const girih_triangulation *t, uint32_t *triangle) {
     double largest = 0;
     for (uint32_t n = 0; n < t->triangle_count; n++) {
-        const double flatness = girih_triangle_flatness(t, n);
+        const double flatness = triangle_flatness(t, n);
         if (flatness > largest) {
             largest = flatness;
             if (triangle) {
@@ -294,7 +286,7 @@ static double star_energy(const girih_triangulation *t, uint32_t point, uint32_t
     for (uint32_t n = 0; n < count && sum < limit; n++) {
         const girih_corner_triangle *triangle = &t->triangles[t->around[n]];
         const bool both = mirror != point && triangle->vertices[corner_of(triangle, mirror)] == mirror;
-        const double energy = girih_triangle_energy(t, t->around[n]);
+        const double energy = triangle_energy(t, t->around[n]);
         sum += both ? energy : 2 * energy;
     }
     return sum;
@@ -407,6 +399,13 @@ static void split_quadrilateral(girih_triangulation *t, const quadrilateral *q, 
     set_triangle(t, right, middle, q->a, q->d, q->left, q->ad, q->right);
 }
 
+// Whether a point inside the triangle of a, b, c leaves all three others an area.
+static bool is_inside(const girih_triangulation *t, const girih_point *point, uint32_t a, uint32_t b, uint32_t c) {
+    const girih_point *p = t->points;
+    return determinant(point, &p[a], &p[b]) > 0 && determinant(point, &p[b], &p[c]) > 0 &&
+           determinant(point, &p[c], &p[a]) > 0;
+}
+
 static bool is_own_image(const girih_triangulation *t, uint32_t triangle) {
     const uint32_t *v = t->triangles[triangle].vertices;
     for (int n = 0; n < 3; n++) {
@@ -419,7 +418,7 @@ static bool is_own_image(const girih_triangulation *t, uint32_t triangle) {
 }
 
 // Cuts a triangle, its own mirror image, into three around a point on the axis.
-static void split_triangle(girih_triangulation *t, uint32_t here) {
+static bool split_triangle(girih_triangulation *t, uint32_t here) {
     const girih_corner_triangle old = t->triangles[here];
     const uint32_t *v = old.vertices;
     const uint32_t *across = old.neighbours;
@@ -427,8 +426,12 @@ static void split_triangle(girih_triangulation *t, uint32_t here) {
     for (int n = 0; n < 3; n++) {
         centre.weights[n] = floor((t->points[v[0]].weights[n] + t->points[v[1]].weights[n] + t->points[v[2]].weights[n]) / 3);
     }
+    centre = onto_axis(t, centre);
+    if (!is_inside(t, &centre, v[0], v[1], v[2])) {
+        return false;
+    }
     const double step = sqrt(determinant(&t->points[v[0]], &t->points[v[1]], &t->points[v[2]])) / 4;
-    const uint32_t point = add_point(t, onto_axis(t, centre), step);
+    const uint32_t point = add_point(t, centre, step);
     const uint32_t second = t->triangle_count++;
     const uint32_t third = t->triangle_count++;
     replace_neighbour(t, across[1], here, second);
@@ -436,6 +439,14 @@ static void split_triangle(girih_triangulation *t, uint32_t here) {
     set_triangle(t, here, v[0], v[1], point, across[0], second, third);
     set_triangle(t, second, v[1], v[2], point, across[1], third, here);
     set_triangle(t, third, v[2], v[0], point, across[2], here, second);
+    return true;
+}
+
+// Whether all four triangles around a point near the middle of the quadrilateral's edge have an area.
+static bool can_split(const girih_triangulation *t, const quadrilateral *q, const girih_point *middle) {
+    const girih_point *p = t->points;
+    return determinant(middle, &p[q->b], &p[q->c]) > 0 && determinant(middle, &p[q->c], &p[q->a]) > 0 &&
+           determinant(middle, &p[q->a], &p[q->d]) > 0 && determinant(middle, &p[q->d], &p[q->b]) > 0;
 }
 
 bool girih_triangulation_split(girih_triangulation *t, uint32_t triangle, uint32_t edge) {
@@ -446,8 +457,7 @@ bool girih_triangulation_split(girih_triangulation *t, uint32_t triangle, uint32
     }
     const bool twice = has_image(t, &q, &shared);
     if (shared) {
-        split_triangle(t, is_own_image(t, q.left) ? q.left : q.right);
-        return true;
+        return split_triangle(t, is_own_image(t, q.left) ? q.left : q.right);
     }
     girih_point middle;
     middle.weights[2] = one;
@@ -455,9 +465,15 @@ bool girih_triangulation_split(girih_triangulation *t, uint32_t triangle, uint32
         middle.weights[n] = floor((t->points[q.a].weights[n] + t->points[q.b].weights[n]) / 2);
         middle.weights[2] -= middle.weights[n];
     }
+    if (t->symmetry_corner >= 0 && !twice) {
+        middle = onto_axis(t, middle);
+    }
+    // Whole numbers have no middle between neighbours.
+    if (!can_split(t, &q, &middle)) {
+        return false;
+    }
     const double step = sqrt(squared_distance(&t->points[q.a], &t->points[q.b])) / 4;
-    const bool own_image = t->symmetry_corner >= 0 && !twice;
-    const uint32_t point = add_point(t, own_image ? onto_axis(t, middle) : middle, step);
+    const uint32_t point = add_point(t, middle, step);
     split_quadrilateral(t, &q, point);
     if (twice) {
         const quadrilateral image = image_of(t, &q);

@@ -28,7 +28,9 @@ typedef struct girih_triangulation {
     uint32_t capacity;       // of points; triangles fewer than twice as many
     uint32_t point_count;
     uint32_t triangle_count;
-    uint32_t power;          // of the energy, a power of two from 4 on
+    // Energy, which moves and flips lower: the sum over triangles of (the largest cotangent times sqrt(3))^power, a
+    // power of two from 4 on: the larger, the more the flattest count.
+    uint32_t power;
     girih_point *points;
     uint32_t *mirrors;       // the point on the other side of the axis: itself on the axis, or without one
     uint32_t *incident;      // a triangle at each point
@@ -50,17 +52,7 @@ void girih_triangulation_free(girih_triangulation *t);
 // From one to another that was made for the same pattern.
 void girih_triangulation_copy(girih_triangulation *to, const girih_triangulation *from);
 
-// The larger of a triangle's cotangents, times sqrt(3): 1 for an equilateral one; infinite where it has no area or is
-// turned over.
-double girih_triangle_flatness(const girih_triangulation *t, uint32_t triangle);
-
-// Sum over a triangle's angles of (sqrt(3) cotangent)^power: the larger the power, the more the smallest angle counts.
-double girih_triangle_energy(const girih_triangulation *t, uint32_t triangle);
-
-// Of all triangles together.
-double girih_triangulation_energy(const girih_triangulation *t);
-
-// The flattest triangle's flatness and, where not NULL, its number.
+// The largest cotangent of all triangles times sqrt(3), 1 for equilateral ones, and, where not NULL, whose that is.
 double girih_triangulation_flatness(const girih_triangulation *t, uint32_t *triangle);
 
 // Flips an edge and its mirror image where that lowers the energy. False where nothing was flipped.
@@ -70,12 +62,8 @@ bool girih_triangulation_flip(girih_triangulation *t, uint32_t triangle, uint32_
 void girih_triangulation_flip_all(girih_triangulation *t);
 
 // Puts a point into the middle of an inner edge, and another into its mirror image; where both are edges of one
-// triangle, one point into that triangle. False, with nothing done, where there is no room.
+// triangle, one point into that triangle. False, with nothing done, where there is no room for a point, or in it no place.
 bool girih_triangulation_split(girih_triangulation *t, uint32_t triangle, uint32_t edge);
-
-// Takes an inner point and its mirror image out. False where that cannot be done; the triangulation is then valid
-// still, but may have been changed.
-bool girih_triangulation_remove(girih_triangulation *t, uint32_t point);
 
 // Looks for a place of less energy one step from a point, and moves it and its mirror image there, flipping edges
 // around it; its steps get longer while it moves, shorter where it cannot. A point whose step is below `smallest` (in

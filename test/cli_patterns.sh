@@ -181,6 +181,16 @@ readable column.png
 expect 0 sheet small.gpat -o wide.png --columns 999999999
 same wide.png <("$girih" sheet small.gpat -o wider.png --columns 10; cat wider.png)
 
+# --- generate --seed ---
+expect 0 generate --spacing linear --max 7 --seed 0 -o seed0.gpat
+expect 0 generate --spacing linear --max 7 -o default.gpat
+same seed0.gpat default.gpat
+expect 0 generate --spacing linear --max 7 --seed 1 -o seed1.gpat
+cmp -s seed0.gpat seed1.gpat && fail 'generate: another seed gives the same patterns'
+expect 0 check seed1.gpat
+expect 2 generate --spacing linear --max 7 --family uniform --seed 1 -o none.gpat
+expect_one_line 'generate: a seed for uniform'
+
 if [[ $failures -ne 0 ]]; then
     printf '%d failures\n' "$failures"
     exit 1
