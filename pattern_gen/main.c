@@ -188,7 +188,7 @@ static girih_progress *progress_for(const girih_catalogue *catalogue) {
     return catalogue->triangle_count > slow ? show_progress : NULL;
 }
 
-// Reads a whole number that fits 32 bits.
+// Reads a whole number of at most nine digits.
 static bool read_number(const char *text, uint32_t *number) {
     if (!isdigit((unsigned char)text[0]) || strlen(text) > 9) {
         return false;
@@ -221,8 +221,11 @@ static int run_generate(const arguments *arguments) {
     }
     girih_error error;
     uint32_t seed = 0;
-    if (arguments->seed && (!read_number(arguments->seed, &seed) || family != &girih_family_optimal)) {
-        return wrong_use(program, "--seed is a number, for the family optimal, not '%s'", arguments->seed);
+    if (arguments->seed && family != &girih_family_optimal) {
+        return wrong_use(program, "--seed is for the family optimal, not '%s'", name);
+    }
+    if (arguments->seed && !read_number(arguments->seed, &seed)) {
+        return wrong_use(program, "--seed is a number of at most nine digits, not '%s'", arguments->seed);
     }
     girih_family seeded = *family;
     seeded.data = &seed;

@@ -158,7 +158,7 @@ static void settle(search *s, girih_triangulation *t, uint32_t power, uint32_t s
         for (uint32_t n = t->border_count; n < t->point_count; n++) {
             if (n <= t->mirrors[n]) {
                 girih_triangulation_move(t, n, s->smallest_step);
-                awake = awake || t->steps[n] >= s->smallest_step;
+                awake = awake || floor(t->steps[n]) >= s->smallest_step;
             }
         }
     }
@@ -219,10 +219,13 @@ static void kick(search *s, girih_triangulation *t) {
 // Kicks what is in s->settled while its smallest angle is less than the corners allow, and leaves the least costly
 // there.
 static measured kick_on(search *s, measured best) {
+    uint32_t left = KICKED_TRIANGLES / s->settled.triangle_count;
+    if (left == 0) {
+        return best;
+    }
     girih_triangulation_copy(&s->kicked, &s->settled);
     s->kicked.power = LAST_POWER;
     double flatness = girih_triangulation_flatness(&s->kicked, NULL);
-    uint32_t left = KICKED_TRIANGLES / s->kicked.triangle_count;
     for (uint32_t fruitless = 0; left > 0; left--) {
         const bool far = best.sine < FAR_FROM_BOUND * s->bound;
         if (fruitless >= (far ? FRUITLESS_KICKS_AT_LAST : FRUITLESS_KICKS) ||
@@ -249,23 +252,15 @@ static measured kick_on(search *s, measured best) {
     return best;
 }
 
-// The triangle with the edge from a to b, which may have been flipped away.
+// Splits the edge from a to b; false where it is gone, split with its mirror image.
 static bool split_edge(girih_triangulation *t, uint32_t a, uint32_t b) {
-    const uint32_t count = girih_triangulation_star(t, a);
-    for (uint32_t n = 0; n < count; n++) {
-        const uint32_t triangle = t->around[n];
-        for (uint32_t edge = 0; edge < 3; edge++) {
-            const uint32_t *v = t->triangles[triangle].vertices;
-            if (v[edge] == a && v[(edge + 1) % 3] == b) {
-                return girih_triangulation_split(t, triangle, edge);
-            }
-        }
-    }
-    return false;
+    uint32_t edge = 0;
+    const uint32_t triangle = girih_triangulation_find_edge(t, a, b, &edge);
+    return triangle != GIRIH_NO_TRIANGLE && girih_triangulation_split(t, triangle, edge);
 }
 
 // Splits the longest edges, one in twenty points at once; `noise` times a random number makes some of them longer. False
-// where there is no more room.
+// where there is no more room, or nothing that can be split.
 static bool grow(search *s, uint32_t power, double noise) {
     girih_triangulation *t = &s->growing;
     const uint32_t count = list_edges(s, t);

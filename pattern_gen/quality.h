@@ -1,6 +1,5 @@
 // How good patterns are: angles in triangles of several shapes, sizes, spacing, vertex reuse. All
-// of it is for reports and choices between patterns; coordinates in catalogues are made in
-// integers.
+// of it is for reports: what patterns are made with is in spacing.h.
 //
 // A triangle without area, as families with zero-area joints have them, is counted but not
 // measured.

@@ -69,7 +69,7 @@ double girih_spacing_ratio(const girih_spacing_field *field, const double from[3
 }
 
 double girih_corner_flatness(uint32_t a, uint32_t b) {
-    // Of 60, 30, 20, ... degrees. More triangles than these gain nothing up to 4,096 segments.
+    // Of 60, 30, 20, ... degrees. More triangles than these gain nothing up to 16,384 segments.
     static const double cosines[] = {0.5,
                                      0.86602540378443864676,
                                      0.93969262078590838405,
@@ -78,12 +78,18 @@ double girih_corner_flatness(uint32_t a, uint32_t b) {
                                      0.98480775301220805937,
                                      0.98883082622512854506,
                                      0.99144486137381041115,
-                                     0.99323835774194300000};
+                                     0.99323835774194300000,
+                                     0.99452189536827328986,
+                                     0.99547192257308458885,
+                                     0.99619469809174554520,
+                                     0.99675730813421004051,
+                                     0.99720379718118012935,
+                                     0.99756405025982419765};
     static const double sines[] = {0.86602540378443864676, 0.5,
                                    0.34202014332566873304, 0.25881904510252076235,
                                    0.20791169081775933710, 0.17364817766693034885,
                                    0.14904226617617444693, 0.13052619222005159155,
-                                   0.11609291412523022967};
+                                   0.11609291412523022967, 0.10452846326765347085, 0.09505604330418265802, 0.08715574274765816587, 0.08046656871672587530, 0.07473009358642425382, 0.06975647374412530244};
     const double root3 = 1.7320508075688772935;
     const double ratio = a > b ? girih_logarithm((double)a / b) : girih_logarithm((double)b / a);
     double best = INFINITY;

@@ -4,7 +4,12 @@
 #ifndef GIRIH_PATTERN_GEN_SPACING_H
 #define GIRIH_PATTERN_GEN_SPACING_H
 
+#include <float.h>
 #include <stdint.h>
+
+#if !defined(FLT_EVAL_METHOD) || FLT_EVAL_METHOD != 0 || defined(__FAST_MATH__)
+#error "doubles must be computed as doubles, and in the order written, or other patterns come out (on x86-32: -mfpmath=sse)"
+#endif
 
 typedef struct girih_spacing_field {
     double logarithms[3]; // of the segments of the edges P1P2, P2P3, P3P1

@@ -135,8 +135,7 @@ uint32_t girih_triangulation_star(const girih_triangulation *t, uint32_t point) 
     return count;
 }
 
-// The triangle with the edge from a to b and, in *edge, which of its edges that is.
-static uint32_t find_edge(const girih_triangulation *t, uint32_t a, uint32_t b, uint32_t *edge) {
+uint32_t girih_triangulation_find_edge(const girih_triangulation *t, uint32_t a, uint32_t b, uint32_t *edge) {
     const uint32_t count = girih_triangulation_star(t, a);
     for (uint32_t n = 0; n < count; n++) {
         const girih_corner_triangle *triangle = &t->triangles[t->around[n]];
@@ -217,7 +216,7 @@ static bool has_image(const girih_triangulation *t, const quadrilateral *q, bool
         return false;
     }
     uint32_t edge = 0;
-    const uint32_t image = find_edge(t, b, a, &edge);
+    const uint32_t image = girih_triangulation_find_edge(t, b, a, &edge);
     const uint32_t across = t->triangles[image].neighbours[edge];
     *shared = image == q->left || image == q->right || across == q->left || across == q->right;
     return true;
@@ -227,7 +226,7 @@ static bool has_image(const girih_triangulation *t, const quadrilateral *q, bool
 static quadrilateral image_of(const girih_triangulation *t, const quadrilateral *q) {
     quadrilateral image;
     uint32_t edge = 0;
-    const uint32_t triangle = find_edge(t, t->mirrors[q->b], t->mirrors[q->a], &edge);
+    const uint32_t triangle = girih_triangulation_find_edge(t, t->mirrors[q->b], t->mirrors[q->a], &edge);
     find_quadrilateral(t, triangle, edge, &image);
     return image;
 }
@@ -237,7 +236,8 @@ static bool can_flip(const girih_triangulation *t, const quadrilateral *q) {
     return determinant(&p[q->c], &p[q->a], &p[q->d]) > 0 && determinant(&p[q->d], &p[q->b], &p[q->c]) > 0;
 }
 
-bool girih_triangulation_flip(girih_triangulation *t, uint32_t triangle, uint32_t edge) {
+// Flips an edge and its mirror image where that lowers the energy. False where nothing was flipped.
+static bool flip(girih_triangulation *t, uint32_t triangle, uint32_t edge) {
     quadrilateral q;
     if (!find_quadrilateral(t, triangle, edge, &q) || !can_flip(t, &q)) {
         return false;
@@ -262,12 +262,12 @@ bool girih_triangulation_flip(girih_triangulation *t, uint32_t triangle, uint32_
 }
 
 void girih_triangulation_flip_all(girih_triangulation *t) {
-    // Each flip lowers the energy, so this ends; the bound is for rounding alone.
+    // Each flip lowers the energy, so this ends; long cascades wait for the next time.
     for (uint32_t turn = 0; turn < 64; turn++) {
         bool flipped = false;
         for (uint32_t n = 0; n < t->triangle_count; n++) {
             for (uint32_t edge = 0; edge < 3; edge++) {
-                flipped = girih_triangulation_flip(t, n, edge) || flipped;
+                flipped = flip(t, n, edge) || flipped;
             }
         }
         if (!flipped) {
@@ -335,7 +335,7 @@ static void flip_around(girih_triangulation *t, uint32_t point) {
     const uint32_t count = girih_triangulation_star(t, point);
     for (uint32_t n = 0; n < count; n++) {
         for (uint32_t edge = 0; edge < 3; edge++) {
-            if (girih_triangulation_flip(t, t->around[n], edge)) {
+            if (flip(t, t->around[n], edge)) {
                 // The list may not hold any more.
                 return;
             }

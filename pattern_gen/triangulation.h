@@ -34,7 +34,7 @@ typedef struct girih_triangulation {
     girih_point *points;
     uint32_t *mirrors;       // the point on the other side of the axis: itself on the axis, or without one
     uint32_t *incident;      // a triangle at each point
-    double *steps;           // how far each point was last moved
+    double *steps;           // how far each point is moved next
     girih_corner_triangle *triangles;
     uint32_t *around;        // scratch: the triangles around a point
 } girih_triangulation;
@@ -44,7 +44,7 @@ typedef struct girih_triangulation {
 girih_result girih_triangulation_create(girih_triangulation *t, const uint32_t segments[3], uint32_t inner_capacity,
                                         girih_error *error);
 
-// Back to the one point that it was created with.
+// Back to the one point that it was created with; the energy's power stays.
 void girih_triangulation_restart(girih_triangulation *t);
 
 void girih_triangulation_free(girih_triangulation *t);
@@ -55,8 +55,8 @@ void girih_triangulation_copy(girih_triangulation *to, const girih_triangulation
 // The largest cotangent of all triangles times sqrt(3), 1 for equilateral ones, and, where not NULL, whose that is.
 double girih_triangulation_flatness(const girih_triangulation *t, uint32_t *triangle);
 
-// Flips an edge and its mirror image where that lowers the energy. False where nothing was flipped.
-bool girih_triangulation_flip(girih_triangulation *t, uint32_t triangle, uint32_t edge);
+// The triangle with the edge from a to b and, in *edge, which of its edges that is; GIRIH_NO_TRIANGLE without one.
+uint32_t girih_triangulation_find_edge(const girih_triangulation *t, uint32_t a, uint32_t b, uint32_t *edge);
 
 // Flips all edges that can be until none is left that should.
 void girih_triangulation_flip_all(girih_triangulation *t);
@@ -74,7 +74,8 @@ bool girih_triangulation_move(girih_triangulation *t, uint32_t point, double sma
 // where that would turn a triangle over.
 bool girih_triangulation_set(girih_triangulation *t, uint32_t point, girih_point place);
 
-// Collects the triangles around a point in t->around and returns their number.
+// Collects the triangles around a point in t->around and returns their number. What changes or looks for an edge
+// overwrites the list.
 uint32_t girih_triangulation_star(const girih_triangulation *t, uint32_t point);
 
 #endif

@@ -95,9 +95,6 @@ static girih_result create(const bench_job *job, int variant, void **state, giri
                                                            : GIRIH_MODE_BAKED,
                             .max_vertices = 4 * job->room_triangles,
                             .max_triangles = job->room_triangles};
-    if (variant == AUTO || variant == BUILT_IN) {
-        desc.mode = girih_choose_mode(job->context, &desc, job->room_triangles);
-    }
     girih_context *context = NULL;
     girih_scene *scene = NULL;
     girih_result result = GIRIH_OK;
@@ -111,6 +108,9 @@ static girih_result create(const bench_job *job, int variant, void **state, giri
     }
     bench_job with = *job;
     with.context = context ? context : job->context;
+    if (result == GIRIH_OK && (variant == AUTO || variant == BUILT_IN)) {
+        desc.mode = girih_choose_mode(with.context, &desc, job->room_triangles);
+    }
     void *made = NULL;
     if (result == GIRIH_OK) {
         result = bench_girih_create(&with, &desc, &made, error);
@@ -124,7 +124,7 @@ static girih_result create(const bench_job *job, int variant, void **state, giri
     s->job = job;
     s->context = context;
     s->scene = scene;
-    if (result == GIRIH_OK && variant == UNCHANGED) {
+    if (variant == UNCHANGED) {
         result = refine_once(made, error);
     }
     if (result != GIRIH_OK) {
