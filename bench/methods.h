@@ -28,7 +28,6 @@ extern const bench_method bench_girih; // the mode that it chooses
 extern const bench_method bench_girih_baked;
 extern const bench_method bench_girih_welded;
 extern const bench_method bench_girih_instanced;
-extern const bench_method bench_girih_built_in;
 extern const bench_method bench_girih_unchanged; // refined once, drawn again each frame
 extern const bench_method bench_girih_displaced; // baked, with waves on the base surface
 

@@ -6,16 +6,13 @@
 
 #include "bench_shaders.h"
 
-enum { AUTO, BAKED, WELDED, INSTANCED, UNCHANGED, BUILT_IN };
+enum { AUTO, BAKED, WELDED, INSTANCED, UNCHANGED };
 
 typedef struct own {
     const bench_job *job;
     bench_layout layout;
     VkPipeline pipelines[BENCH_RASTERS];
     girih_plan *plan;
-    // With the built-in catalogue instead of the job's; else NULL.
-    girih_context *context;
-    girih_scene *scene;
 } own;
 
 static bool can_instance(const bench_job *job) {
@@ -36,8 +33,6 @@ void bench_girih_destroy(void *state) {
     bench_pipelines_destroy(s->job->target, s->pipelines);
     bench_layout_destroy(s->job->target, &s->layout);
     girih_plan_destroy(s->plan);
-    girih_scene_destroy(s->scene);
-    girih_context_destroy(s->context);
     free(s);
 }
 
@@ -95,36 +90,12 @@ static girih_result create(const bench_job *job, int variant, void **state, giri
                                                            : GIRIH_MODE_BAKED,
                             .max_vertices = 4 * job->room_triangles,
                             .max_triangles = job->room_triangles};
-    girih_context *context = NULL;
-    girih_scene *scene = NULL;
-    girih_result result = GIRIH_OK;
-    if (variant == BUILT_IN) {
-        result = girih_device_context(job->device, girih_catalogue_dyadic(), &context, error);
-        if (result == GIRIH_OK) {
-            const girih_scene_desc built_in = {.meshes = &job->mesh, .mesh_count = 1};
-            result = girih_scene_create(context, &built_in, &scene, error);
-        }
-        desc.scene = scene;
-    }
-    bench_job with = *job;
-    with.context = context ? context : job->context;
-    if (result == GIRIH_OK && (variant == AUTO || variant == BUILT_IN)) {
-        desc.mode = girih_choose_mode(with.context, &desc, job->room_triangles);
+    if (variant == AUTO) {
+        desc.mode = girih_choose_mode(job->context, &desc, job->room_triangles);
     }
     void *made = NULL;
-    if (result == GIRIH_OK) {
-        result = bench_girih_create(&with, &desc, &made, error);
-    }
-    if (result != GIRIH_OK) {
-        girih_scene_destroy(scene);
-        girih_context_destroy(context);
-        return result;
-    }
-    own *s = made;
-    s->job = job;
-    s->context = context;
-    s->scene = scene;
-    if (variant == UNCHANGED) {
+    girih_result result = bench_girih_create(job, &desc, &made, error);
+    if (result == GIRIH_OK && variant == UNCHANGED) {
         result = refine_once(made, error);
     }
     if (result != GIRIH_OK) {
@@ -171,15 +142,4 @@ const bench_method bench_girih_baked = OWN("girih-baked", BAKED, NULL, bench_gir
 const bench_method bench_girih_welded = OWN("girih-welded", WELDED, NULL, bench_girih_prepare);
 const bench_method bench_girih_instanced =
     OWN("girih-instanced", INSTANCED, unfit_instanced, bench_girih_prepare);
-const bench_method bench_girih_built_in = {
-    .name = "girih-built-in",
-    .follows = "this project",
-    .note = "the built-in catalogue, family optimal: fewer triangles for the same edge levels",
-    .variant = BUILT_IN,
-    .create = create,
-    .destroy = bench_girih_destroy,
-    .prepare = bench_girih_prepare,
-    .draw = bench_girih_draw,
-    .overflow = bench_girih_overflow,
-    .drawn = drawn};
 const bench_method bench_girih_unchanged = OWN("girih-unchanged", UNCHANGED, NULL, NULL);
