@@ -243,12 +243,6 @@ static girih_result read_header(girih_import *import, const import_document *doc
     return read_family(import, document->family, error);
 }
 
-static uint32_t rank_of(const uint32_t levels[3]) {
-    const uint32_t i = levels[0];
-    const uint32_t j = levels[1];
-    return i * (i + 1) * (i + 2) / 6 + j * (j + 1) / 2 + levels[2];
-}
-
 // A list of patterns in a message: as many as fit, then how many more.
 typedef struct name_list {
     char text[208];
@@ -326,7 +320,7 @@ static girih_result sort_patterns(const girih_import *import, const import_docum
                                 "] are not i >= j >= k from %" PRIu32 " to %" PRIu32,
                                 n, levels[0], levels[1], levels[2], first, import->max);
         } else {
-            ranks[n] = rank_of(
+            ranks[n] = girih_pattern_rank(
                 (const uint32_t[3]){levels[0] - first, levels[1] - first, levels[2] - first});
             found[ranks[n]]++;
         }
@@ -518,7 +512,7 @@ static girih_result copy_pattern(const girih_family *family, const uint32_t segm
             }
         }
     }
-    const girih_pattern *from = &import->patterns[rank_of(levels)];
+    const girih_pattern *from = &import->patterns[girih_pattern_rank(levels)];
     girih_result result =
         girih_pattern_allocate(pattern, segments, from->vertex_count, from->triangle_count, error);
     if (result == GIRIH_OK) {

@@ -8,6 +8,7 @@
 
 #include "error.h"
 #include "quality.h"
+#include "spacing.h"
 
 typedef struct measured_catalogue {
     const girih_catalogue *catalogue;

@@ -40,10 +40,6 @@
 #define WAYS 9u
 #define SETTLED_TRIANGLES 3000000u
 
-// Edges between half and double the spacing are in proportion.
-#define SHORTEST_EVEN 0.5
-#define LONGEST_EVEN 2.0
-
 #define SHARE_OF_SPLITS 0.25
 
 // What is looked at on the way has this many points more than what was looked at before.
@@ -136,8 +132,8 @@ static measured measure(search *s, const girih_triangulation *t) {
     m.cost = cost_of_triangles(t) - girih_logarithm(share);
     m.cost += share < 0.9 ? 6 * (0.9 - share) : 0;
     m.cost += t->triangle_count > s->most_triangles ? INFINITY : 0;
-    m.cost += m.shortest < SHORTEST_EVEN ? 20 * (SHORTEST_EVEN - m.shortest) + 2 : 0;
-    m.cost += m.longest > LONGEST_EVEN ? 10 * (m.longest - LONGEST_EVEN) + 2 : 0;
+    m.cost += m.shortest < GIRIH_SHORTEST_EVEN ? 20 * (GIRIH_SHORTEST_EVEN - m.shortest) + 2 : 0;
+    m.cost += m.longest > GIRIH_LONGEST_EVEN ? 10 * (m.longest - GIRIH_LONGEST_EVEN) + 2 : 0;
     return m;
 }
 
@@ -229,7 +225,7 @@ static measured kick_on(search *s, measured best) {
     for (uint32_t fruitless = 0; left > 0; left--) {
         const bool far = best.sine < FAR_FROM_BOUND * s->bound;
         if (fruitless >= (far ? FRUITLESS_KICKS_AT_LAST : FRUITLESS_KICKS) ||
-            (best.sine > 0.9 * s->bound && best.shortest >= SHORTEST_EVEN)) {
+            (best.sine > 0.9 * s->bound && best.shortest >= GIRIH_SHORTEST_EVEN)) {
             break;
         }
         fruitless++;
@@ -312,8 +308,8 @@ static void grow_and_look(search *s, uint32_t power, double noise) {
 }
 
 static bool is_good(const search *s) {
-    return s->least.sine >= FAR_FROM_BOUND * s->bound && s->least.shortest >= SHORTEST_EVEN &&
-           s->least.longest <= LONGEST_EVEN;
+    return s->least.sine >= FAR_FROM_BOUND * s->bound && s->least.shortest >= GIRIH_SHORTEST_EVEN &&
+           s->least.longest <= GIRIH_LONGEST_EVEN;
 }
 
 // Where points are while there are few decides how many triangles meet at the corners. Where the first way leaves the

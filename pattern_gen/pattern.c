@@ -49,6 +49,12 @@ uint32_t girih_border_count(const uint32_t segments[3]) {
     return segments[0] + segments[1] + segments[2];
 }
 
+uint32_t girih_pattern_rank(const uint32_t levels[3]) {
+    const uint32_t i = levels[0];
+    const uint32_t j = levels[1];
+    return i * (i + 1) * (i + 2) / 6 + j * (j + 1) / 2 + levels[2];
+}
+
 int girih_symmetry_corner(const uint32_t segments[3]) {
     if (segments[0] == segments[1]) {
         return 1;

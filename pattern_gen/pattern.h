@@ -49,6 +49,9 @@ uint32_t girih_pack_beside(uint32_t corner, uint32_t next, uint32_t last);
 // that both halves snap alike; the vertex in the middle of all goes to the first half.
 uint32_t girih_snap(uint32_t m, uint32_t many, uint32_t few);
 
+// Where the pattern of levels i >= j >= k, counted from 0, stands in a catalogue.
+uint32_t girih_pattern_rank(const uint32_t levels[3]);
+
 // The corner on the axis of symmetry of a pattern with two equal segment counts; -1 with three different ones.
 int girih_symmetry_corner(const uint32_t segments[3]);
 

@@ -27,10 +27,6 @@ typedef enum girih_shape {
 // all others.
 #define GIRIH_CACHE_SMALL_PATTERN 100u
 
-// Edges shorter or longer than the spacing at their place by more than a factor of two are uneven.
-#define GIRIH_SHORTEST_EVEN 0.5
-#define GIRIH_LONGEST_EVEN 2.0
-
 // One pattern. Angles are in degrees.
 typedef struct girih_quality {
     double

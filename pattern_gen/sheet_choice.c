@@ -39,9 +39,7 @@ static girih_result find_rank(const girih_catalogue *catalogue, const uint32_t l
                           "]; it has i >= j >= k from %" PRIu32 " to %" PRIu32,
                           levels[0], levels[1], levels[2], first, catalogue->max);
     }
-    const uint32_t i = levels[0] - first;
-    const uint32_t j = levels[1] - first;
-    *rank = i * (i + 1) * (i + 2) / 6 + j * (j + 1) / 2 + levels[2] - first;
+    *rank = girih_pattern_rank((uint32_t[3]){levels[0] - first, levels[1] - first, levels[2] - first});
     return GIRIH_OK;
 }
 

@@ -11,6 +11,10 @@
 #error "doubles must be computed as doubles, and in the order written, or other patterns come out (on x86-32: -mfpmath=sse)"
 #endif
 
+// Edges shorter or longer than the spacing at their place by more than a factor of two are uneven.
+#define GIRIH_SHORTEST_EVEN 0.5
+#define GIRIH_LONGEST_EVEN 2.0
+
 typedef struct girih_spacing_field {
     double logarithms[3]; // of the segments of the edges P1P2, P2P3, P3P1
 } girih_spacing_field;

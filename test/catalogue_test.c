@@ -16,46 +16,13 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "girih/catalogue.h"
+#include "catalogue_files.h"
 #include "laws.h"
 #include "report.h"
 #include "writer.h"
 
-typedef struct block {
-    void *bytes; // from malloc, so aligned to 8
-    size_t size;
-} block;
-
-static block read_file(const char *path) {
-    FILE *stream = fopen(path, "rb");
-    assert_non_null(stream);
-    assert_int_equal(fseek(stream, 0, SEEK_END), 0);
-    long size = ftell(stream);
-    assert_true(size > 0);
-    rewind(stream);
-    block read = {malloc((size_t)size), (size_t)size};
-    assert_non_null(read.bytes);
-    assert_int_equal(fread(read.bytes, 1, read.size, stream), read.size);
-    fclose(stream);
-    return read;
-}
-
-static block generate_family(const girih_family *family, girih_spacing spacing, uint32_t max) {
-    char path[] = P_tmpdir "/girih_catalogue_XXXXXX";
-    int file = mkstemp(path);
-    assert_true(file >= 0);
-    close(file);
-    girih_error error = {.message = ""};
-    girih_result result = girih_catalogue_write(family, spacing, max, path, NULL, &error);
-    assert_string_equal(error.message, "");
-    assert_int_equal(result, GIRIH_OK);
-    block read = read_file(path);
-    unlink(path);
-    return read;
-}
-
 static block generate(girih_spacing spacing, uint32_t max) {
-    return generate_family(&girih_family_uniform, spacing, max);
+    return write_catalogue(&girih_family_uniform, spacing, max);
 }
 
 static void assert_lawful(const void *bytes, size_t size) {
@@ -104,7 +71,7 @@ static void test_same_bytes_twice(void **state) {
     const girih_catalogue *built_in[2] = {girih_catalogue_dyadic(), girih_catalogue_linear()};
     const uint32_t max[2] = {4, 9};
     for (int n = 0; n < 2; n++) {
-        block again = generate_family(&girih_family_optimal, (girih_spacing)built_in[n]->spacing, max[n]);
+        block again = write_catalogue(&girih_family_optimal, (girih_spacing)built_in[n]->spacing, max[n]);
         const girih_catalogue *small = again.bytes;
         for (uint32_t rank = 0; rank < small->pattern_count; rank++) {
             const girih_base_pattern *a = girih_catalogue_pattern(small, rank);
@@ -117,7 +84,7 @@ static void test_same_bytes_twice(void **state) {
                 assert_int_equal(girih_catalogue_index(small, a, index), girih_catalogue_index(built_in[n], b, index));
             }
         }
-        block twice = generate_family(&girih_family_optimal, (girih_spacing)built_in[n]->spacing, max[n]);
+        block twice = write_catalogue(&girih_family_optimal, (girih_spacing)built_in[n]->spacing, max[n]);
         assert_int_equal(again.size, twice.size);
         assert_memory_equal(again.bytes, twice.bytes, again.size);
         free(twice.bytes);
@@ -387,7 +354,7 @@ static void test_json(void **state) {
 // Triangles without area are drawn, so they are counted, but no angle is measured in them.
 static void test_degenerate_triangles_are_counted(void **state) {
     (void)state;
-    block linear = generate_family(&girih_family_semiuniform, GIRIH_SPACING_LINEAR, 6);
+    block linear = write_catalogue(&girih_family_semiuniform, GIRIH_SPACING_LINEAR, 6);
     assert_lawful(linear.bytes, linear.size);
     uint64_t expected = 0;
     for (uint32_t i = 1; i <= 6; i++) {

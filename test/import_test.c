@@ -14,42 +14,10 @@
 
 #include <jansson.h>
 
-#include "family.h"
+#include "catalogue_files.h"
 #include "import.h"
 #include "laws.h"
 #include "report.h"
-#include "writer.h"
-
-typedef struct block {
-    char *bytes;
-    size_t size;
-} block;
-
-static block read_stream(FILE *stream) {
-    assert_int_equal(fseek(stream, 0, SEEK_END), 0);
-    long size = ftell(stream);
-    assert_true(size > 0);
-    rewind(stream);
-    block read = {malloc((size_t)size + 1), (size_t)size};
-    assert_non_null(read.bytes);
-    assert_int_equal(fread(read.bytes, 1, read.size, stream), read.size);
-    read.bytes[read.size] = 0;
-    fclose(stream);
-    return read;
-}
-
-static block write_catalogue(const girih_family *family, girih_spacing spacing, uint32_t max) {
-    char path[] = P_tmpdir "/girih_import_XXXXXX";
-    int file = mkstemp(path);
-    assert_true(file >= 0);
-    close(file);
-    girih_error error = {.message = ""};
-    girih_catalogue_write(family, spacing, max, path, NULL, &error);
-    assert_string_equal(error.message, "");
-    block read = read_stream(fopen(path, "rb"));
-    unlink(path);
-    return read;
-}
 
 static block dump(const girih_catalogue *catalogue) {
     FILE *stream = tmpfile();
@@ -111,7 +79,7 @@ static void test_dumps_come_back(void **state) {
 
 static json_t *small_document(void) {
     block catalogue = write_catalogue(&girih_family_uniform, GIRIH_SPACING_LINEAR, 5);
-    block text = dump((const void *)catalogue.bytes);
+    block text = dump(catalogue.bytes);
     json_t *document = json_loadb(text.bytes, text.size, 0, NULL);
     assert_non_null(document);
     free(text.bytes);
@@ -421,7 +389,7 @@ static void test_wrong_json(void **state) {
 static void test_damaged_text(void **state) {
     (void)state;
     block catalogue = write_catalogue(&girih_family_uniform, GIRIH_SPACING_LINEAR, 2);
-    block text = dump((const void *)catalogue.bytes);
+    block text = dump(catalogue.bytes);
     for (size_t size = 1; size + 2 < text.size; size++) {
         girih_import import;
         girih_error error = {.message = ""};
@@ -433,9 +401,10 @@ static void test_damaged_text(void **state) {
     static const char bytes[] = {0,   '\n', ' ', '"', ',', '0',    '9',   '-',
                                  '[', ']',  '{', '}', 'e', '\x80', '\xff'};
     for (size_t place = 0; place < text.size; place++) {
-        const char kept = text.bytes[place];
+        char *changed = (char *)text.bytes + place;
+        const char kept = *changed;
         for (size_t n = 0; n < sizeof bytes; n++) {
-            text.bytes[place] = bytes[n];
+            *changed = bytes[n];
             girih_import import;
             girih_error error = {.message = ""};
             if (import_text(&import, text.bytes, text.size, &error) == GIRIH_OK) {
@@ -453,7 +422,7 @@ static void test_damaged_text(void **state) {
             }
             girih_import_free(&import);
         }
-        text.bytes[place] = kept;
+        *changed = kept;
     }
     free(text.bytes);
     free(catalogue.bytes);
