@@ -207,7 +207,9 @@ static void kick(search *s, girih_triangulation *t) {
         place.weights[1] += floor(v * reach);
         place.weights[2] = GIRIH_BARYCENTRIC_ONE - place.weights[0] - place.weights[1];
         girih_triangulation_set(t, point, place);
+        // Of a point and its mirror image the one with the lower number is moved.
         t->steps[point] = reach / 2;
+        t->steps[t->mirrors[point]] = reach / 2;
     }
     girih_triangulation_flip_all(t);
 }
@@ -277,7 +279,7 @@ static bool grow(search *s, uint32_t power, double noise) {
 // Grows from one point on, settling by a power on the way, and leaves the least costly in s->best.
 static void grow_and_look(search *s, uint32_t power, double noise) {
     double next = 0;
-    girih_triangulation_restart(&s->growing);
+    girih_triangulation_restart(&s->growing, power);
     girih_triangulation_flip_all(&s->growing);
     do {
         const uint32_t inside = s->growing.point_count - s->growing.border_count;

@@ -336,9 +336,10 @@ static void flip_around(girih_triangulation *t, uint32_t point) {
     for (uint32_t n = 0; n < count; n++) {
         for (uint32_t edge = 0; edge < 3; edge++) {
             if (flip(t, t->around[n], edge)) {
-                // The list may not hold any more.
                 return;
             }
+            // Looking for a mirror image has overwritten the list.
+            girih_triangulation_star(t, point);
         }
     }
 }
@@ -530,7 +531,6 @@ girih_result girih_triangulation_create(girih_triangulation *t, const uint32_t s
         .border_count = border,
         .capacity = (uint32_t)capacity,
         .point_count = border,
-        .power = 4,
         .points = calloc(capacity, sizeof *t->points),
         .mirrors = calloc(capacity, sizeof *t->mirrors),
         .incident = calloc(capacity, sizeof *t->incident),
@@ -542,11 +542,12 @@ girih_result girih_triangulation_create(girih_triangulation *t, const uint32_t s
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory for %zu vertices", capacity);
     }
     place_border(t);
-    girih_triangulation_restart(t);
+    girih_triangulation_restart(t, 4);
     return GIRIH_OK;
 }
 
-void girih_triangulation_restart(girih_triangulation *t) {
+void girih_triangulation_restart(girih_triangulation *t, uint32_t power) {
+    t->power = power;
     t->point_count = t->border_count;
     t->triangle_count = 0;
     girih_point middle = {{10923, 10923, 10922}};

@@ -44,8 +44,8 @@ typedef struct girih_triangulation {
 girih_result girih_triangulation_create(girih_triangulation *t, const uint32_t segments[3], uint32_t inner_capacity,
                                         girih_error *error);
 
-// Back to the one point that it was created with; the energy's power stays.
-void girih_triangulation_restart(girih_triangulation *t);
+// Back to the one point that it was created with.
+void girih_triangulation_restart(girih_triangulation *t, uint32_t power);
 
 void girih_triangulation_free(girih_triangulation *t);
 
