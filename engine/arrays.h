@@ -73,13 +73,15 @@ typedef struct girih_plan_shape {
     uint64_t max_vertices, max_triangles; // raised to the level-0 output
     int pattern_draws;                    // baked draws use the catalogue's indices
     int serial_sort;                      // chooses the size of the sort's blocks
+    uint32_t max_segments; // edges ask for at most so many; beyond the catalogue's triangles are split
+    uint32_t max_splits;   // room for their parts; 0: nothing is split
     uint32_t previous; // not 0: output vertices have their previous position after the attributes
 } girih_plan_shape;
 
 // Fills INSTANCES and BLOCKS and all of the frame's fields that neither the catalogue, the scene
 // nor girih_pack_frame fill (but for reach, variant, first_index and first_list_index, which are
 // the caller's), and sets count (leaving words NULL) of the plan's other arrays: LEVELS, KEYS,
-// ITEMS, ITEMS_SPARE, COUNTERS, GROUPS, STATUS, DRAWS, WELD_OFFSETS. Reads frame.range_count,
+// SPLITS, ITEMS, ITEMS_SPARE, COUNTERS, GROUPS, STATUS, DRAWS, WELD_OFFSETS. Reads frame.range_count,
 // pattern_count, material_count, attribute_floats. Counts beyond 2^30 triangles or edges, or 2^28
 // groups, are refused with GIRIH_ERROR_TOO_LARGE. Raises shape->max_vertices and max_triangles to
 // the level-0 output (triangles: the instances' triangles; baked vertices: 3 a triangle; welded:
@@ -102,6 +104,11 @@ void girih_pack_transform(uint32_t *record, const float transform[12], const flo
 // frame's planes, eye, rule and culling fields. Reads level_count and linear_spacing.
 girih_result girih_pack_frame(girih_arrays *arrays, const girih_frame *frame, girih_error *error);
 
+// The level that is left to the parts of an edge of this level when it is split: half of the levels
+// (linear: about the root of the segments, which are a power of two), or more where the catalogue
+// cannot split so finely.
+uint32_t girih_rest_level(const girih_frame_block *frame, uint32_t level);
+
 // Passes of the sort, and how many bits of the group number each takes.
 uint32_t girih_sort_passes(uint32_t group_count, uint32_t *bits);
 
@@ -113,6 +120,10 @@ girih_statistics girih_read_status(const girih_frame_block *frame, const uint32_
 void girih_twin_levels(girih_arrays *arrays);
 // An own surface's culling is that of its base surface, with frame.reach.
 void girih_twin_select(girih_arrays *arrays, girih_surface surface);
+// Splits the triangles that select has marked: SPLITS, the parts' keys, STATUS_SPLITS and what
+// stands beside it. Where more than frame.max_splits are needed there are none, and
+// GIRIH_STATUS_SPLIT_OVERFLOW is set.
+void girih_twin_split(girih_arrays *arrays);
 // Sorts into ITEMS and writes the groups' bounds and STATUS_ITEMS; COUNTERS and ITEMS_SPARE are the
 // shader's alone.
 girih_result girih_twin_group(girih_arrays *arrays, girih_error *error);

@@ -17,7 +17,7 @@ enum {
 #undef GIRIH_SHADER_ID
 
 // Variants of one shader: at most six of the bits of GIRIH_VARIANT_* concern it.
-#define GIRIH_MAX_VARIANTS 64
+#define GIRIH_MAX_VARIANTS 128
 
 // A range of a buffer: girih's own, with memory of its own, or a part of the host's.
 typedef struct girih_buffer {
@@ -127,7 +127,7 @@ struct girih_plan {
     VkDescriptorSet draw_set; // instanced: what girih.glsl reads in the vertex shader
 
     VkVertexInputBindingDescription bindings[2];
-    VkVertexInputAttributeDescription vertex_attributes[14];
+    VkVertexInputAttributeDescription vertex_attributes[16];
     VkPipelineVertexInputStateCreateInfo vertex_input;
 };
 
@@ -185,7 +185,7 @@ VkPipeline girih_surface_pipeline_get(const girih_surface_program *program, uint
 // --- plan_buffers.c and plan_descriptors.c ------------------------------------------------------
 
 // Words of one triangle's patch in the instanced mode.
-uint32_t girih_patch_words(girih_surface surface);
+uint32_t girih_patch_words(const girih_plan *plan);
 // Words of one record of the plan's attribute buffer: a patch, or an output vertex.
 uint32_t girih_attribute_words(const girih_plan *plan);
 
@@ -266,6 +266,8 @@ void girih_dispatch_items(const girih_plan *plan, VkCommandBuffer commands, uint
 
 void girih_record_levels(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_select(const girih_plan *plan, VkCommandBuffer commands);
+// Nothing where no triangle can be split; ends with a barrier.
+void girih_record_split(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_group(const girih_plan *plan, VkCommandBuffer commands);
 void girih_record_weld(const girih_plan *plan, VkCommandBuffer commands);
 // The shader that walks through the groups, by their number.

@@ -49,7 +49,7 @@ static float positive_square(double value) {
 
 // The smallest level with at least this many segments, as girih_catalogue_level has it.
 static uint32_t level_of(const girih_frame_block *block, uint32_t segments, uint32_t *clamped) {
-    uint32_t last = block->level_count - 1;
+    uint32_t last = block->last_level;
     uint32_t level = 0;
     if (block->linear_spacing != 0) {
         level = segments > 0 ? segments - 1 : 0;
@@ -105,7 +105,7 @@ static girih_result pack_horizontal(girih_frame_block *block, const girih_frame 
                           angle, (double)frame->near_distance);
     }
     block->rule = GIRIH_LEVELS_HORIZONTAL;
-    for (uint32_t level = 0; level < block->level_count; ++level) {
+    for (uint32_t level = 0; level <= block->last_level && level < GIRIH_MAX_LEVELS; ++level) {
         const double segments =
             block->linear_spacing != 0 ? (double)level + 1.0 : ldexp(1.0, (int)level);
         const double reached = segments * angle;
@@ -241,9 +241,14 @@ static uint64_t wide(const uint32_t *words) {
 }
 
 girih_statistics girih_read_status(const girih_frame_block *frame, const uint32_t *status) {
+    const uint32_t parts = status[GIRIH_STATUS_SPLITS] - status[GIRIH_STATUS_SPLIT_AGAIN];
     girih_statistics statistics = {
         .input_triangles = frame->triangle_count,
-        .culled_triangles = frame->triangle_count - status[GIRIH_STATUS_ITEMS],
+        .culled_triangles = frame->triangle_count - status[GIRIH_STATUS_SPLIT_ROOTS] -
+                            (status[GIRIH_STATUS_ITEMS] - parts),
+        .split_triangles = status[GIRIH_STATUS_SPLIT_ROOTS],
+        .parts = parts,
+        .needed_splits = status[GIRIH_STATUS_NEEDED_SPLITS],
         .clamped_edges = status[GIRIH_STATUS_CLAMPED],
         .needed_triangles = wide(status + GIRIH_STATUS_NEEDED_TRIANGLES),
         .needed_vertices = wide(status + GIRIH_STATUS_NEEDED_VERTICES),

@@ -191,11 +191,38 @@ static uint64_t at_least(uint64_t count, uint64_t floor) {
     return count > floor ? count : floor;
 }
 
+// What edges may ask for. A catalogue of one level can split nothing.
+static void choose_splits(girih_frame_block *frame, const girih_plan_shape *shape) {
+    const uint32_t most =
+        shape->max_segments < GIRIH_MOST_SEGMENTS ? shape->max_segments : GIRIH_MOST_SEGMENTS;
+    const uint32_t last = frame->level_count - 1;
+    uint32_t level = last;
+    if (shape->max_splits > 0 && last > 0) {
+        if (frame->linear_spacing != 0) {
+            level = most > frame->level_count ? most - 1 : last;
+        } else {
+            while (1u << level < most) {
+                ++level;
+            }
+        }
+    }
+    frame->last_level = level;
+    frame->max_splits = level > last ? shape->max_splits : 0;
+    // One more than the longest edge needs: an edge inside may ask for more than what is left to those around it.
+    frame->split_passes = level > last ? 1 : 0;
+    while (level > last) {
+        level = girih_rest_level(frame, level);
+        ++frame->split_passes;
+    }
+}
+
 static girih_result choose_room(girih_frame_block *frame, girih_plan_shape *shape,
                                 const totals *sums, girih_error *error) {
-    shape->max_triangles = at_least(shape->max_triangles, sums->triangles);
+    // At level 0 each part is a triangle too, though only the first of a root's is seen.
+    const uint64_t level0 = sums->triangles + frame->max_splits;
+    shape->max_triangles = at_least(shape->max_triangles, level0);
     if (shape->mode == GIRIH_MODE_BAKED) {
-        shape->max_vertices = at_least(shape->max_vertices, 3 * sums->triangles);
+        shape->max_vertices = at_least(shape->max_vertices, 3 * level0);
     } else if (shape->mode == GIRIH_MODE_WELDED) {
         shape->max_vertices = at_least(shape->max_vertices, sums->corners);
     }
@@ -241,16 +268,22 @@ static void choose_sort(girih_arrays *arrays, int serial_sort) {
     girih_frame_block *frame = &arrays->frame;
     uint32_t bits = 0;
     const uint32_t passes = girih_sort_passes(frame->group_count, &bits);
-    frame->sort_block = choose_sort_block(frame->triangle_count, serial_sort);
-    frame->sort_block_count =
-        (uint32_t)girih_ceiling_quotient(frame->triangle_count, frame->sort_block);
+    const uint64_t keys = (uint64_t)frame->triangle_count + frame->max_splits;
+    frame->sort_block = choose_sort_block((uint32_t)keys, serial_sort);
+    frame->sort_block_count = (uint32_t)girih_ceiling_quotient(keys, frame->sort_block);
     frame->scan_block_count =
         (uint32_t)girih_ceiling_quotient(frame->weld_edge_count, GIRIH_SCAN_BLOCK);
-    const uint64_t items = (uint64_t)frame->triangle_count * GIRIH_ITEM_WORDS;
+    const uint64_t items = keys * GIRIH_ITEM_WORDS;
     arrays->count[GIRIH_BIND_ITEMS] = at_least(items, 1);
     arrays->count[GIRIH_BIND_ITEMS_SPARE] = passes > 1 ? at_least(items, 1) : 1;
-    arrays->count[GIRIH_BIND_COUNTERS] = at_least(((uint64_t)frame->sort_block_count + 1) << bits,
-                                                  at_least(frame->scan_block_count, 1));
+    const uint64_t split_blocks =
+        frame->max_splits > 0
+            ? 2 * girih_ceiling_quotient(at_least(frame->triangle_count, frame->max_splits),
+                                         GIRIH_SPLIT_BLOCK)
+            : 0;
+    arrays->count[GIRIH_BIND_COUNTERS] =
+        at_least(((uint64_t)frame->sort_block_count + 1) << bits,
+                 at_least(frame->scan_block_count, at_least(split_blocks, 1)));
 }
 
 static girih_result choose_sizes(girih_arrays *arrays, girih_plan_shape *shape, const totals *sums,
@@ -272,6 +305,13 @@ static girih_result choose_sizes(girih_arrays *arrays, girih_plan_shape *shape, 
     frame->output_mode = shape->mode == GIRIH_MODE_WELDED  ? GIRIH_OUTPUT_WELDED
                          : shape->mode == GIRIH_MODE_BAKED ? GIRIH_OUTPUT_BAKED
                                                            : GIRIH_OUTPUT_INSTANCED;
+    choose_splits(frame, shape);
+    if (frame->max_splits > GIRIH_MAX_COUNT - sums->triangles) {
+        return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
+                          "plan: %" PRIu64 " triangles and room for %" PRIu32
+                          " parts of split ones; at most %" PRIu64 " together can be numbered",
+                          sums->triangles, frame->max_splits, GIRIH_MAX_COUNT);
+    }
     girih_result result = choose_room(frame, shape, sums, error);
     uint64_t draw_words = 0;
     if (result == GIRIH_OK) {
@@ -282,7 +322,9 @@ static girih_result choose_sizes(girih_arrays *arrays, girih_plan_shape *shape, 
     }
     choose_sort(arrays, shape->serial_sort);
     arrays->count[GIRIH_BIND_LEVELS] = at_least(sums->edges, 1);
-    arrays->count[GIRIH_BIND_KEYS] = at_least(sums->triangles, 1);
+    arrays->count[GIRIH_BIND_SPLITS] =
+        at_least((uint64_t)frame->max_splits * GIRIH_SPLIT_WORDS, 1);
+    arrays->count[GIRIH_BIND_KEYS] = at_least(sums->triangles + frame->max_splits, 1);
     arrays->count[GIRIH_BIND_GROUPS] = (groups + 1) * GIRIH_GROUP_WORDS;
     arrays->count[GIRIH_BIND_STATUS] =
         (uint64_t)GIRIH_STATUS_WORDS + frame->pattern_count + frame->material_count + 1;

@@ -22,7 +22,7 @@ static const shader_code shaders[GIRIH_SHADER_COUNT][2] = {
 #undef GIRIH_SHADER_CODE
 };
 
-// The bits of a variant that concern a shader: at most six, so that GIRIH_MAX_VARIANTS slots do.
+// The bits of a variant that concern a shader: at most seven, so that GIRIH_MAX_VARIANTS slots do.
 static uint32_t variant_mask(uint32_t shader) {
     switch (shader) {
     case GIRIH_SHADER_levels:
@@ -34,13 +34,22 @@ static uint32_t variant_mask(uint32_t shader) {
     case GIRIH_SHADER_small_pn_narrow:
     case GIRIH_SHADER_small_pn_wide:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_CULL |
-               GIRIH_VARIANT_DYNAMIC | GIRIH_VARIANT_MATERIALS;
+               GIRIH_VARIANT_DYNAMIC | GIRIH_VARIANT_MATERIALS | GIRIH_VARIANT_SPLITS;
+    case GIRIH_SHADER_split_count:
+    case GIRIH_SHADER_split_parts:
+        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_MATERIALS | GIRIH_VARIANT_SPLITS;
+    case GIRIH_SHADER_group_count_serial:
+    case GIRIH_SHADER_group_count_workgroup:
+    case GIRIH_SHADER_group_place_serial:
+    case GIRIH_SHADER_group_place_workgroup:
+        return GIRIH_VARIANT_SPLITS;
     case GIRIH_SHADER_evaluate_patches_flat:
     case GIRIH_SHADER_evaluate_patches_pn:
     case GIRIH_SHADER_evaluate_points_flat:
     case GIRIH_SHADER_evaluate_points_pn:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES |
-               GIRIH_VARIANT_CULL | GIRIH_VARIANT_WELDED | GIRIH_VARIANT_DYNAMIC;
+               GIRIH_VARIANT_CULL | GIRIH_VARIANT_WELDED | GIRIH_VARIANT_DYNAMIC |
+               GIRIH_VARIANT_SPLITS;
     case GIRIH_SHADER_evaluate_edges_flat:
     case GIRIH_SHADER_evaluate_edges_pn:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES |
@@ -48,8 +57,10 @@ static uint32_t variant_mask(uint32_t shader) {
     case GIRIH_SHADER_evaluate_corners:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_ATTRIBUTES | GIRIH_VARIANT_DYNAMIC;
     case GIRIH_SHADER_output_lists:
-        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_WELDED | 7u << GIRIH_VARIANT_OUTPUT_SHIFT;
+        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_WELDED | GIRIH_VARIANT_SPLITS |
+               7u << GIRIH_VARIANT_OUTPUT_SHIFT;
     case GIRIH_SHADER_evaluate_items:
+        return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SPLITS;
     case GIRIH_SHADER_output_weld_blocks:
     case GIRIH_SHADER_output_weld_offsets:
         return GIRIH_VARIANT_INSTANCES;

@@ -49,6 +49,11 @@ static girih_result validate(const girih_context *context, const girih_plan_desc
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
                           "girih_plan_create: there is no mode %d", (int)desc->mode);
     }
+    if (desc->mode == GIRIH_MODE_WELDED && desc->max_segments && desc->max_splits) {
+        return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
+                          "girih_plan_create: split triangles are not welded; use the baked mode, "
+                          "or max_splits 0");
+    }
     if (desc->outputs & ~ALL_OUTPUTS) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
                           "girih_plan_create: there are no outputs 0x%x",
@@ -105,6 +110,9 @@ girih_result girih_plan_need_pipelines(const girih_plan *plan, girih_error *erro
         {GIRIH_SHADER_levels, GIRIH_LEVELS_HORIZONTAL << GIRIH_VARIANT_RULE_SHIFT, apart},
         {select, 0, apart},
         {select, GIRIH_VARIANT_CULL, apart},
+        {GIRIH_SHADER_split_count, 0, frame->max_splits > 0},
+        {GIRIH_SHADER_split_sums, 0, frame->max_splits > 0},
+        {GIRIH_SHADER_split_parts, 0, frame->max_splits > 0},
         {serial ? GIRIH_SHADER_group_count_serial : GIRIH_SHADER_group_count_workgroup, 0, apart},
         {serial ? GIRIH_SHADER_group_blocks_serial : GIRIH_SHADER_group_blocks_workgroup, 0, apart},
         {serial ? GIRIH_SHADER_group_digits_serial : GIRIH_SHADER_group_digits_workgroup, 0, apart},
@@ -147,8 +155,9 @@ static void describe_vertex_input(girih_plan *plan) {
     uint32_t attributes = 0;
     if (plan->mode == GIRIH_MODE_INSTANCED) {
         // As many vectors as the patch fills, what is left of it, and the ids at its end.
-        const uint32_t words = girih_patch_words(plan->surface);
-        const uint32_t vectors = (words - 4) / 4;
+        const uint32_t words = girih_patch_words(plan);
+        const uint32_t part = plan->arrays.frame.max_splits > 0 ? GIRIH_PATCH_WORDS_PART : 0;
+        const uint32_t vectors = (words - part - 4) / 4;
         const uint32_t padding = plan->surface == GIRIH_SURFACE_FLAT ? 2 : 0;
         plan->bindings[0] = (VkVertexInputBindingDescription){0, 4, VK_VERTEX_INPUT_RATE_VERTEX};
         plan->bindings[1] =
@@ -164,8 +173,16 @@ static void describe_vertex_input(girih_plan *plan) {
             ++attributes;
         }
         plan->vertex_attributes[attributes] = (VkVertexInputAttributeDescription){
-            attributes, 1, VK_FORMAT_R32G32B32A32_UINT, 4 * (words - 4 - padding)};
+            attributes, 1, VK_FORMAT_R32G32B32A32_UINT, 4 * (words - part - 4 - padding)};
         ++attributes;
+        if (part > 0) {
+            plan->vertex_attributes[attributes] = (VkVertexInputAttributeDescription){
+                attributes, 1, VK_FORMAT_R32G32B32A32_UINT, 4 * (words - part)};
+            ++attributes;
+            plan->vertex_attributes[attributes] = (VkVertexInputAttributeDescription){
+                attributes, 1, VK_FORMAT_R32G32_UINT, 4 * (words - part) + 16};
+            ++attributes;
+        }
     } else {
         plan->bindings[0] = (VkVertexInputBindingDescription){0, 12, VK_VERTEX_INPUT_RATE_VERTEX};
         plan->bindings[1] = (VkVertexInputBindingDescription){1, girih_attribute_words(plan) * 4,
@@ -237,6 +254,8 @@ static girih_result prepare(girih_plan *plan, const girih_plan_desc *desc,
                               .outputs = plan->outputs,
                               .max_vertices = desc->max_vertices,
                               .max_triangles = desc->max_triangles,
+                              .max_segments = desc->max_segments,
+                              .max_splits = desc->max_segments > 0 ? desc->max_splits : 0,
                               .pattern_draws = pattern_draws,
                               .serial_sort = context->serial_sort,
                               .previous = (plan->outputs & GIRIH_OUTPUT_PREVIOUS) != 0};
@@ -260,6 +279,7 @@ static girih_result prepare(girih_plan *plan, const girih_plan_desc *desc,
                     (plan->mode == GIRIH_MODE_WELDED ? GIRIH_VARIANT_WELDED : 0) |
                     (plan->scene->dynamic ? GIRIH_VARIANT_DYNAMIC : 0) |
                     (shape.previous ? GIRIH_VARIANT_PREVIOUS : 0) |
+                    (frame->max_splits > 0 ? GIRIH_VARIANT_SPLITS : 0) |
                     (plan->scene->table.has_materials ? GIRIH_VARIANT_MATERIALS : 0);
     frame->variant = plan->variant;
     plan->small = girih_is_small(plan);

@@ -10,19 +10,20 @@
 #define WINDOW_STEP                                                                                \
     64u // outputs to which windows are rounded, so that every window's offset is aligned
 
-uint32_t girih_patch_words(girih_surface surface) {
-    switch (surface) {
+uint32_t girih_patch_words(const girih_plan *plan) {
+    const uint32_t part = plan->arrays.frame.max_splits > 0 ? GIRIH_PATCH_WORDS_PART : 0;
+    switch (plan->surface) {
     case GIRIH_SURFACE_FLAT:
-        return GIRIH_PATCH_WORDS_FLAT;
+        return GIRIH_PATCH_WORDS_FLAT + part;
     case GIRIH_SURFACE_PN:
-        return GIRIH_PATCH_WORDS_PN;
+        return GIRIH_PATCH_WORDS_PN + part;
     default:
-        return GIRIH_PATCH_WORDS_OWN;
+        return GIRIH_PATCH_WORDS_OWN + part;
     }
 }
 
 uint32_t girih_attribute_words(const girih_plan *plan) {
-    return plan->mode == GIRIH_MODE_INSTANCED ? girih_patch_words(plan->surface)
+    return plan->mode == GIRIH_MODE_INSTANCED ? girih_patch_words(plan)
                                               : plan->arrays.frame.attribute_stride;
 }
 
@@ -91,7 +92,10 @@ girih_result girih_plan_find_needs(girih_plan *plan, const girih_plan_desc *desc
     const VkBufferUsageFlags vertex =
         common | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | desc->vertex_usage;
     const VkBufferUsageFlags index = common | VK_BUFFER_USAGE_INDEX_BUFFER_BIT | desc->index_usage;
-    uint64_t vertices = instanced ? arrays->frame.triangle_count : arrays->frame.max_vertices;
+    // Instanced, a patch for each triangle and each part.
+    uint64_t vertices = instanced
+                            ? (uint64_t)arrays->frame.triangle_count + arrays->frame.max_splits
+                            : arrays->frame.max_vertices;
     uint64_t triangles = arrays->frame.max_triangles;
     girih_result result = lay_out_work(plan, error);
     if (result == GIRIH_OK) {

@@ -146,6 +146,7 @@ static void record_stages(const girih_plan *plan, VkCommandBuffer commands,
     timestamp(plan, commands, timestamps, 1);
     girih_record_select(plan, commands);
     girih_compute_barrier(context, commands);
+    girih_record_split(plan, commands);
     timestamp(plan, commands, timestamps, 2);
     girih_record_group(plan, commands);
     girih_compute_barrier(context, commands);

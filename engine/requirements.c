@@ -34,6 +34,7 @@
 
 #define FEW_STORAGE_BUFFERS 4u // a stage; see GIRIH_BIND_SHARED_SCENE
 // Every binding but the frame block is a storage buffer.
+#define LARGEST_PATCH_WORDS (GIRIH_PATCH_WORDS_PN + GIRIH_PATCH_WORDS_PART)
 #define ALL_STORAGE_BUFFERS (GIRIH_BIND_COUNT - 1u)
 // More than one material's draws in a plan that draws with the catalogue's indices.
 #define MOST_DRAWS (1u << 20)
@@ -55,10 +56,10 @@ girih_requirements girih_get_requirements(void) {
                      .maxDescriptorSetUniformBuffers = 1,
                      .maxDescriptorSetStorageBuffers = FEW_STORAGE_BUFFERS,
                      // The patch of a curved PN triangle, and the pattern's vertex.
-                     .maxVertexInputAttributes = GIRIH_PATCH_WORDS_PN / 4 + 1,
+                     .maxVertexInputAttributes = LARGEST_PATCH_WORDS / 4 + 1,
                      .maxVertexInputBindings = 2,
-                     .maxVertexInputAttributeOffset = (GIRIH_PATCH_WORDS_PN - 4) * 4,
-                     .maxVertexInputBindingStride = GIRIH_PATCH_WORDS_PN * 4,
+                     .maxVertexInputAttributeOffset = (LARGEST_PATCH_WORDS - 4) * 4,
+                     .maxVertexInputBindingStride = LARGEST_PATCH_WORDS * 4,
                      .maxComputeSharedMemorySize = 16384,
                      .maxComputeWorkGroupCount = {65535, 65535, 1},
                      .maxComputeWorkGroupInvocations = 128,

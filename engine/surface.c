@@ -9,7 +9,8 @@
 
 #define SURFACE_VARIANTS                                                                           \
     (GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES |                    \
-     GIRIH_VARIANT_WELDED | GIRIH_VARIANT_DYNAMIC | GIRIH_VARIANT_PREVIOUS)
+     GIRIH_VARIANT_WELDED | GIRIH_VARIANT_DYNAMIC | GIRIH_VARIANT_PREVIOUS |                     \
+     GIRIH_VARIANT_SPLITS)
 
 // Copies the module that the context takes. A surface without modules is drawn in the instanced
 // mode alone.

@@ -142,6 +142,7 @@ GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_EDGES, GirihTriangleEd
 GIRIH_PAIR_ARRAY(GIRIH_SCENE_BINDING, GIRIH_BIND_TRIANGLE_WELD_EDGES, GirihTriangleWeldEdgePairs, girih_triangle_weld_edge_pairs)
 GIRIH_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_BLOCKS, GirihBlocks, girih_blocks)
 GIRIH_STAGE_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_LEVELS, GirihLevels, uint, girih_levels)
+GIRIH_STAGE_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_SPLITS, GirihSplitFours, uvec4, girih_split_fours)
 GIRIH_STAGE_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_KEYS, GirihKeys, uint, girih_keys)
 GIRIH_STAGE_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS, GirihItems, uvec2, girih_items)
 GIRIH_STAGE_ARRAY(GIRIH_PLAN_BINDING, GIRIH_BIND_ITEMS_SPARE, GirihItemsSpare, uvec2, girih_items_spare)
@@ -173,6 +174,7 @@ GIRIH_PAIR_ARRAY(GIRIH_LIST_BINDING, GIRIH_BIND_OUT_SOURCES, GirihOutSources, gi
 #define GIRIH_AT_TRIANGLE_WELD_EDGE_PAIRS(I) girih_triangle_weld_edge_pairs GIRIH_AT_PAIR(GIRIH_BIND_TRIANGLE_WELD_EDGES, I)
 #define GIRIH_AT_BLOCKS(I) girih_blocks GIRIH_AT(GIRIH_BIND_BLOCKS, I)
 #define GIRIH_AT_LEVELS(I) girih_levels GIRIH_AT(GIRIH_BIND_LEVELS, I)
+#define GIRIH_AT_SPLIT_FOURS(I) girih_split_fours GIRIH_AT_FOUR(GIRIH_BIND_SPLITS, I)
 #define GIRIH_AT_KEYS(I) girih_keys GIRIH_AT(GIRIH_BIND_KEYS, I)
 #define GIRIH_AT_ITEMS(I) girih_items GIRIH_AT_PAIR(GIRIH_BIND_ITEMS, I)
 #define GIRIH_AT_ITEMS_SPARE(I) girih_items_spare GIRIH_AT_PAIR(GIRIH_BIND_ITEMS_SPARE, I)
@@ -242,6 +244,12 @@ uint girih_first_item(uint group, uint items) {
 // Word `field` of a rank's pattern.
 uint girih_pattern(uint rank, uint field) {
     return GIRIH_AT_PATTERNS(rank * GIRIH_PATTERN_WORDS + field);
+}
+
+// The corners of a triangle from its two words of PATTERN_TRIANGLES.
+uvec3 girih_pattern_triangle(uvec2 words) {
+    return uvec3(words.x, words.x >> GIRIH_TRIANGLE_BITS | words.y << (32u - GIRIH_TRIANGLE_BITS),
+                 words.y >> (2u * GIRIH_TRIANGLE_BITS - 32u)) & GIRIH_TRIANGLE_MASK;
 }
 
 // The rank of a range.

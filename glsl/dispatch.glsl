@@ -206,14 +206,15 @@ void dispatch_groups() {
     Sums total;
     Sums sums = scan_lanes(sum_run(begin, end, range), total);
     uvec2 vertices = add_wide(total.vertices, border);
-    bool level0 = exceeds(total.triangles, girih_frame.max_triangles) ||
+    uint no_parts = GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW;
+    bool level0 = no_parts != 0u || exceeds(total.triangles, girih_frame.max_triangles) ||
                   (girih_frame.output_mode != GIRIH_OUTPUT_INSTANCED && exceeds(vertices, girih_frame.max_vertices));
     if (lane == 0u) {
         GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_VERTICES) = vertices.x;
         GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_VERTICES + 1u) = vertices.y;
         GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_TRIANGLES) = total.triangles.x;
         GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_TRIANGLES + 1u) = total.triangles.y;
-        GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) = level0 ? GIRIH_STATUS_OVERFLOW : 0u;
+        GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) = no_parts | (level0 ? GIRIH_STATUS_OVERFLOW : 0u);
     }
     if (level0) {
         merge_groups();

@@ -44,7 +44,8 @@ void main() {
     uint beyond = overflow ? item.group : 0u;
     girih_quotient(beyond, range_count);
     uint key = (item.group - beyond) << 3 | item.lambda;
-    uint four = (number - window_first) * (GIRIH_PATCH_WORDS / 4);
+    uint fours = uint(GIRIH_PATCH_WORDS + (girih_has(GIRIH_VARIANT_SPLITS) ? GIRIH_PATCH_WORDS_PART : 0)) / 4u;
+    uint four = (number - window_first) * fours;
 #if GIRIH_SURFACE != 2
     uint vertices[3];
     girih_item_vertices(item, vertices);
@@ -66,6 +67,16 @@ void main() {
         girih_write_four(four + 4u, uvec4(floatBitsToUint(p.n002.yz), vertices[0], vertices[1]));
         girih_write_four(four + 5u, uvec4(vertices[2], key, 0u, 0u));
 #endif
+        if (girih_has(GIRIH_VARIANT_SPLITS)) {
+            // 0: not a part.
+            uvec4 corners = uvec4(0u);
+            uvec2 last_corner = uvec2(0u);
+            if (item.is_part) {
+                girih_pack_part(item.part, corners, last_corner);
+            }
+            girih_write_four(four + fours - 2u, corners);
+            girih_write_four(four + fours - 1u, uvec4(last_corner, 0u, 0u));
+        }
     }
 }
 
@@ -158,7 +169,8 @@ void main() {
         weld = girih_item_weld(item, vertices, work, girih_group_shape(item.group), false);
     }
     GirihPatch p = girih_item_patch(item, vertices);
-    if (!interior) {
+    bool splits = girih_has(GIRIH_VARIANT_SPLITS);
+    if (!interior && !splits) {
         // The corners need no formula.
         vec3 corners[3] = vec3[3](p.b300, p.b030, p.b003);
         vec3 normals[3] = vec3[3](p.n200, p.n020, p.n002);
@@ -171,11 +183,12 @@ void main() {
             }
         }
     }
-    uint n = max(begin, max(border, 3u));
+    uint n = max(begin, splits ? border : max(border, 3u));
     do {
         uint vertex = by_items ? girih_weld_vertex(weld, n) : first + n;
         if (n < end && girih_in_window(vertex)) {
-            vec3 b = girih_barycentric(girih_pattern_weights(pattern_vertex + n));
+            uvec3 weights = girih_pattern_weights(pattern_vertex + n);
+            vec3 b = splits ? girih_root_barycentric(girih_item_weights(item, weights)) : girih_barycentric(weights);
             girih_write_point(vertex, vertices, b, girih_patch_position(p, b.x, b.y, b.z),
                               girih_patch_unit_normal(p, b.x, b.y, b.z));
         }
@@ -287,9 +300,10 @@ void main() {
         if (!girih_in_window(vertex)) {
             continue;
         }
-        uvec3 weights = girih_pattern_weights(pattern_vertex + n);
-        girih_write_attributes(vertex, vertices, girih_barycentric(weights));
-        GirihPlaces places = girih_find_places(item.scene_triangle, girih_input_weights(item.lambda, weights));
+        uvec3 weights = girih_item_weights(item, girih_pattern_weights(pattern_vertex + n));
+        girih_write_attributes(vertex, vertices, girih_root_barycentric(weights));
+        uvec3 input_weights = item.is_part ? weights : girih_input_weights(item.lambda, weights);
+        GirihPlaces places = girih_find_places(item.scene_triangle, input_weights);
         // The point, the normal where it is another's, the previous point: all from one place in the code,
         // so that the compiler cannot treat two sides of an edge differently.
         uint turns = girih_has(GIRIH_VARIANT_PREVIOUS) ? 3u : places.smooth_ ? 1u : 2u;
@@ -304,7 +318,7 @@ void main() {
             }
             vec3 position;
             vec3 normal;
-            girih_own_sample(patch_, girih_barycentric(place.weights), position, normal);
+            girih_own_sample(patch_, girih_root_barycentric(place.weights), position, normal);
             if (turn == 0u) {
                 girih_write_position(vertex, position);
             }

@@ -5,8 +5,10 @@
 //   GIRIH_SURFACE  0: flat; 1: Curved PN triangles; 2: the host's own
 // and for the instanced mode, where attributes are wanted or the surface is an own one,
 //   GIRIH_SET      the descriptor set number that girih_cmd_draw is given.
+// and for the instanced mode of a plan that splits triangles (girih_plan_desc.max_splits)
+//   GIRIH_SPLITS
 // girih_point() gives the vertex in all modes alike, and the pipeline's vertex input is
-// girih_plan_vertex_input's. Instanced, girih takes the input locations 0 to 13 at most; baked, 0 and 1,
+// girih_plan_vertex_input's. Instanced, girih takes the input locations 0 to 15 at most; baked, 0 and 1,
 // and the attributes are the host's to declare: floats of binding 1 from byte 12 on. No push constants
 // and no specialization constants are used.
 //
@@ -68,6 +70,41 @@ uvec3 girih_pattern_weights() {
     return uvec3(u, v, 32768u - u - v);
 }
 
+#ifdef GIRIH_SPLITS
+#include "part.glsl"
+#if GIRIH_SURFACE == 2
+#define GIRIH_PART_LOCATION 2
+#elif GIRIH_SURFACE == 1
+#define GIRIH_PART_LOCATION 14
+#else
+#define GIRIH_PART_LOCATION 7
+#endif
+// A part's corners (GIRIH_SPLIT_CORNERS); 0 for a triangle that is not split.
+layout(location = GIRIH_PART_LOCATION) in uvec4 girih_part_first;
+layout(location = GIRIH_PART_LOCATION + 1) in uvec2 girih_part_last;
+
+bool girih_is_part() {
+    return (girih_part_first.x | girih_part_first.y | girih_part_first.z | girih_part_first.w) != 0u;
+}
+
+// The weights of the patch's corners, over GIRIH_SPLIT_ONE.
+uvec3 girih_patch_weights() {
+    GirihPart part = girih_unpack_part(girih_part_first, girih_part_last);
+    return girih_is_part() ? girih_part_weights(part, girih_pattern_weights(), uvec3(0u))
+                           : girih_pattern_weights() * GIRIH_SPLIT_UNIT;
+}
+#else
+#include "shared.h"
+
+bool girih_is_part() {
+    return false;
+}
+
+uvec3 girih_patch_weights() {
+    return girih_pattern_weights() * GIRIH_SPLIT_UNIT;
+}
+#endif
+
 #if GIRIH_SURFACE == 2
 
 #define GIRIH_VERTEX
@@ -75,8 +112,13 @@ uvec3 girih_pattern_weights() {
 
 layout(location = 1) in uvec4 girih_record; // scene triangle, instance, key, base pattern
 
+// How the patch's corners stand to the input's: a part's are those of its root.
+uint girih_patch_lambda() {
+    return girih_is_part() ? 0u : girih_record.z & 7u;
+}
+
 GirihPoint girih_point() {
-    uvec3 weights = girih_input_weights(girih_record.z & 7u, girih_pattern_weights());
+    uvec3 weights = girih_input_weights(girih_patch_lambda(), girih_patch_weights());
     GirihPlaces places = girih_find_places(girih_record.x, weights);
     GirihPoint point;
     for (uint turn = 0u; turn < (places.smooth_ ? 1u : 2u); ++turn) {
@@ -86,26 +128,26 @@ GirihPoint girih_point() {
         }
         GirihPatch patch_ = girih_own_patch(place.triangle, girih_record.y, false);
         vec3 position;
-        girih_own_sample(patch_, girih_barycentric(place.weights), position, point.normal);
+        girih_own_sample(patch_, girih_root_barycentric(place.weights), position, point.normal);
         if (turn == 0u) {
             point.position = position;
         }
     }
     point.key = girih_record.z;
     // Attributes are permuted as the library's own surfaces permute them: sums round by their order.
-    uint corners = GIRIH_LAMBDA_CORNERS(girih_record.z & 7u);
+    uint corners = GIRIH_LAMBDA_CORNERS(girih_patch_lambda());
     for (uint n = 0u; n < 3u; ++n) {
         point.vertices[n] = GIRIH_AT_TRIANGLE_VERTICES(3u * girih_record.x + (corners >> (2u * n) & 3u));
     }
-    point.barycentric = girih_barycentric(girih_pattern_weights());
+    point.barycentric = girih_root_barycentric(girih_patch_weights());
     return point;
 }
 
 vec3 girih_previous_position() {
-    uvec3 weights = girih_input_weights(girih_record.z & 7u, girih_pattern_weights());
+    uvec3 weights = girih_input_weights(girih_patch_lambda(), girih_patch_weights());
     GirihPlace place = girih_find_places(girih_record.x, weights).position;
     GirihPatch patch_ = girih_own_patch(place.triangle, girih_record.y, true);
-    return girih_no_negative_zero(girih_surface(patch_, girih_barycentric(place.weights)));
+    return girih_no_negative_zero(girih_surface(patch_, girih_root_barycentric(place.weights)));
 }
 
 float girih_draw_attribute(uint vertex, uint n, uint attribute_floats) {
@@ -168,7 +210,7 @@ GirihPatch girih_input_patch() {
 GirihPoint girih_point() {
     GirihPatch p = girih_input_patch();
     GirihPoint point;
-    point.barycentric = girih_barycentric(girih_pattern_weights());
+    point.barycentric = girih_root_barycentric(girih_patch_weights());
     point.position = girih_patch_position(p, point.barycentric.x, point.barycentric.y, point.barycentric.z);
     point.normal = girih_patch_unit_normal(p, point.barycentric.x, point.barycentric.y, point.barycentric.z);
     point.key = girih_patch_ids.w;

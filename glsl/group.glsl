@@ -23,13 +23,26 @@ struct Pass {
 };
 Pass pass;
 
+// False where parts found no room: then all triangles are drawn as they are, at level 0.
+bool has_parts() {
+    return girih_has(GIRIH_VARIANT_SPLITS) &&
+           (GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW) == 0u;
+}
+
 uint key_count() {
-    return pass.first ? girih_frame.triangle_count : GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
+    if (!pass.first) {
+        return GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
+    }
+    return girih_frame.triangle_count + (has_parts() ? GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS) : 0u);
 }
 
 uint read_key(uint n) {
     if (pass.first) {
-        return GIRIH_AT_KEYS(n);
+        uint key = GIRIH_AT_KEYS(n);
+        if (girih_has(GIRIH_VARIANT_SPLITS) && key >= GIRIH_KEY_SPLIT && key != GIRIH_KEY_CULLED) {
+            return has_parts() ? GIRIH_KEY_CULLED : key ^ GIRIH_KEY_SPLIT;
+        }
+        return key;
     }
     return pass.to_spare ? GIRIH_AT_ITEMS(n)[GIRIH_ITEM_KEY] : GIRIH_AT_ITEMS_SPARE(n)[GIRIH_ITEM_KEY];
 }

@@ -63,7 +63,8 @@ vec2 girih_from_axis(vec3 p) {
 // near_distance is not drawn, and what is farther of an edge is seen under no larger an angle than the edge's length
 // there: edges shorter than T near_distance reach T whatever their ends' angle is.
 uint girih_horizontal_level(vec3 p, vec3 q, out bool clamped) {
-    uint last = girih_frame.level_count - 1u;
+    // The table of angles ends there.
+    uint last = min(girih_frame.last_level, uint(GIRIH_MAX_LEVELS) - 1u);
     vec2 a = girih_from_axis(p);
     vec2 b = girih_from_axis(q);
     // Alike for the edge from q to p: both products only change places, or the sign.
@@ -85,12 +86,19 @@ uint girih_horizontal_level(vec3 p, vec3 q, out bool clamped) {
     }
 }
 
+// Whether a level's segments are short enough.
+bool girih_reaches(uint level, float distance_squared, float wanted) {
+    float segments = float(girih_level_segments(level));
+    precise float reached = (segments * segments) * distance_squared;
+    return wanted <= reached;
+}
+
 // The level of the edge from p to q, mesh-space ends for the random rules and GIRIH_LEVELS_OBJECT_LENGTH, world-space
 // ends for GIRIH_LEVELS_LENGTH and GIRIH_LEVELS_HORIZONTAL. `clamped`: it asked for more segments than the catalogue
 // holds.
 uint girih_edge_level(uint rule, vec3 p, vec3 q, out bool clamped) {
     uint level = 0u;
-    uint last = girih_frame.level_count - 1u;
+    uint last = girih_frame.last_level;
     if (rule == GIRIH_LEVELS_UNIFORM) {
         clamped = girih_frame.uniform_clamped != 0u;
         return girih_frame.uniform_level;
@@ -101,7 +109,9 @@ uint girih_edge_level(uint rule, vec3 p, vec3 q, out bool clamped) {
         return min(wanted, last);
     }
     if (rule == GIRIH_LEVELS_RANDOM) {
-        uint segments = 1u + girih_draw_below(girih_hash_edge(girih_frame.seed, p, q), girih_frame.random_segments);
+        uint drawn = girih_draw_below(girih_hash_edge(girih_frame.seed, p, q), girih_frame.random_segments);
+        uint segments = 1u + drawn;
+        level = girih_frame.linear_spacing != 0u ? min(drawn, last) : 0u;
         while (level < last && girih_level_segments(level) < segments) {
             ++level;
         }
@@ -121,14 +131,26 @@ uint girih_edge_level(uint rule, vec3 p, vec3 q, out bool clamped) {
     precise vec3 along = q - p;
     precise float wanted = girih_dot(along, along) * girih_frame.length_factor;
     for (;;) {
-        float segments = float(girih_level_segments(level));
-        precise float reached = (segments * segments) * distance_squared;
-        clamped = !(wanted <= reached);
+        clamped = !girih_reaches(level, distance_squared, wanted);
         if (!clamped || level == last) {
             return level;
         }
         ++level;
+        if (level == girih_frame.level_count) {
+            break;
+        }
     }
+    // Beyond the catalogue levels may be many: more segments reach farther, so halving finds them.
+    while (level < last) {
+        uint middle = (level + last) / 2u;
+        if (girih_reaches(middle, distance_squared, wanted)) {
+            last = middle;
+        } else {
+            level = middle + 1u;
+        }
+    }
+    clamped = !girih_reaches(level, distance_squared, wanted);
+    return level;
 }
 
 #endif

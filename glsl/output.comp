@@ -14,12 +14,6 @@
 
 #if GIRIH_KERNEL == 0
 
-uvec3 pattern_triangle(uint n) {
-    uvec2 words = GIRIH_AT_PATTERN_TRIANGLES(n);
-    return uvec3(words.x, words.x >> GIRIH_TRIANGLE_BITS | words.y << (32u - GIRIH_TRIANGLE_BITS),
-                 words.y >> (2u * GIRIH_TRIANGLE_BITS - 32u)) & GIRIH_TRIANGLE_MASK;
-}
-
 uvec3 weld_triangle(GirihWeld weld, uvec3 corners) {
     return uvec3(girih_weld_vertex(weld, corners.x), girih_weld_vertex(weld, corners.y),
                  girih_weld_vertex(weld, corners.z));
@@ -62,7 +56,7 @@ void main() {
     uint mesh_triangle = item.scene_triangle - girih_instance(item.instance, GIRIH_INSTANCE_MESH_TRIANGLE);
     do {
         uint slot = first + triangle;
-        uvec3 corners = pattern_triangle(pattern + min(triangle, count - 1u));
+        uvec3 corners = girih_pattern_triangle(GIRIH_AT_PATTERN_TRIANGLES(pattern + min(triangle, count - 1u)));
         uvec3 triangle_vertices = welded ? weld_triangle(weld, corners) : first_vertex + corners;
         if (triangle < end && slot < window_count) {
             if (writes(GIRIH_OUTPUT_BIT_INDICES)) {

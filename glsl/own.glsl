@@ -105,7 +105,7 @@ vec3 girih_surface_normal(GirihPatch patch_, vec3 barycentric);
 
 // --- Places: who evaluates a pattern vertex -----------------------------------------------------------
 
-// A place in a triangle of the scene: the weights of its corners in the order of the input, over 32768.
+// A place in a triangle of the scene: the weights of its corners in the order of the input, over GIRIH_SPLIT_ONE.
 struct GirihPlace {
     uint triangle;
     uvec3 weights;
@@ -125,7 +125,7 @@ bool girih_same_normal(uint a, uint b) {
 
 GirihPlace girih_corner_place(uint owner) {
     GirihPlace place = GirihPlace(owner / 3u, uvec3(0u));
-    place.weights[owner % 3u] = 32768u;
+    place.weights[owner % 3u] = GIRIH_SPLIT_ONE;
     return place;
 }
 
@@ -164,7 +164,7 @@ GirihPlaces girih_find_places(uint triangle, uvec3 weights) {
         uint word = GIRIH_AT_TRIANGLE_EDGES(edge);
         bool reversed = (word & GIRIH_EDGE_REVERSED) != 0u;
         uint first = weights[(reversed ? end : edge) % 3u];
-        uint second = 32768u - first;
+        uint second = GIRIH_SPLIT_ONE - first;
         uint owner = GIRIH_AT_EDGE_OWNERS(word & GIRIH_EDGE_MASK);
         places.position = girih_edge_place(owner, first, second);
         places.normal = places.position;

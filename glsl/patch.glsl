@@ -4,6 +4,7 @@
 
 #include "girih_permutation.h"
 #include "gather.glsl"
+#include "part.glsl"
 
 // One item as evaluate and output see it.
 struct GirihItem {
@@ -17,6 +18,9 @@ struct GirihItem {
     uint corners[3];     // input corner 0..2 at each of the base pattern's corners
     uint edges[3];       // input edge 0..2 at each of the base pattern's edges
     bool odd;            // the base pattern's edges run against the input's
+    // A part's points are evaluated in its root, whose corners and edges stay in the input's order.
+    bool is_part;
+    GirihPart part;      // then, its corners in the base pattern's order
 };
 
 uint girih_group(uint group, uint field) {
@@ -35,6 +39,16 @@ GirihItem girih_read_item(uint number, bool overflow) {
     uvec2 words = GIRIH_AT_ITEMS(number);
     uint triangle = words[GIRIH_ITEM_TRIANGLE];
     uint key = words[GIRIH_ITEM_KEY];
+    item.is_part = girih_has(GIRIH_VARIANT_SPLITS) && triangle >= girih_frame.triangle_count;
+    uint four = (triangle - girih_frame.triangle_count) * (GIRIH_SPLIT_WORDS / 4u);
+    if (item.is_part) {
+        uvec4 about = GIRIH_AT_SPLIT_FOURS(four);
+        triangle = about[GIRIH_SPLIT_ROOT];
+        item.part = girih_unpack_part(GIRIH_AT_SPLIT_FOURS(four + 1u), GIRIH_AT_SPLIT_FOURS(four + 2u).xy);
+        if (overflow) {
+            item.part = girih_collapsed_part((about[GIRIH_SPLIT_LEVELS + 1] & GIRIH_SPLIT_FIRST) != 0u);
+        }
+    }
     item.instance = girih_find_instance(triangle, GIRIH_INSTANCE_FIRST_TRIANGLE, girih_frame.triangle_blocks);
     item.scene_triangle = triangle - girih_instance(item.instance, GIRIH_INSTANCE_TRIANGLE_DELTA);
     item.group = key >> 3;
@@ -46,14 +60,24 @@ GirihItem girih_read_item(uint number, bool overflow) {
     uint rank = girih_group(item.group, GIRIH_GROUP_RANK);
     item.rank = rank & ~GIRIH_GROUP_MIRRORED;
     item.mirrored = (rank & GIRIH_GROUP_MIRRORED) != 0u;
-    uint corners = GIRIH_LAMBDA_CORNERS(item.lambda);
-    uint edges = GIRIH_LAMBDA_EDGES(item.lambda);
+    if (item.is_part) {
+        item.part = girih_permuted_part(item.part, GIRIH_LAMBDA_CORNERS(item.lambda));
+    }
+    uint placed = item.is_part ? 0u : item.lambda;
+    uint corners = GIRIH_LAMBDA_CORNERS(placed);
+    uint edges = GIRIH_LAMBDA_EDGES(placed);
     for (uint n = 0u; n < 3u; ++n) {
         item.corners[n] = corners >> (2u * n) & 3u;
         item.edges[n] = edges >> (2u * n) & 3u;
     }
-    item.odd = GIRIH_LAMBDA_IS_ODD(item.lambda) != 0u;
+    item.odd = GIRIH_LAMBDA_IS_ODD(placed) != 0u;
     return item;
+}
+
+// The weights, over GIRIH_SPLIT_ONE, of the item's corners where those of its base pattern weigh `weights`: of the
+// triangle permuted by lambda, or of a part's root in the input's order.
+uvec3 girih_item_weights(GirihItem item, uvec3 weights) {
+    return item.is_part ? girih_part_weights(item.part, weights, uvec3(0u)) : weights * GIRIH_SPLIT_UNIT;
 }
 
 // The words PATTERN_TRIANGLE to INTERIOR of a group.

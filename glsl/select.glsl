@@ -2,7 +2,7 @@
 #ifndef GIRIH_SELECT_GLSL
 #define GIRIH_SELECT_GLSL
 
-#include "girih_permutation.h"
+#include "key.glsl"
 #include "pn_edges.glsl"
 #include "culling.glsl"
 
@@ -42,47 +42,11 @@ void write_key(uint triangle) {
             return;
         }
     }
-    // Sort the levels and keep track of the swaps: ARKFPI, Figure 8.
-    uint i = GIRIH_AT_LEVELS((edges[0] & GIRIH_EDGE_MASK) + edge_delta);
-    uint j = GIRIH_AT_LEVELS((edges[1] & GIRIH_EDGE_MASK) + edge_delta);
-    uint k = GIRIH_AT_LEVELS((edges[2] & GIRIH_EDGE_MASK) + edge_delta);
-    uint lambda = 0u;
-    uint swap;
-    if (i < j) {
-        swap = i;
-        i = j;
-        j = swap;
-        lambda += 1u;
+    uvec3 levels;
+    for (uint n = 0u; n < 3u; ++n) {
+        levels[n] = GIRIH_AT_LEVELS((edges[n] & GIRIH_EDGE_MASK) + edge_delta);
     }
-    if (i < k) {
-        swap = i;
-        i = k;
-        k = swap;
-        lambda += 2u;
-    }
-    if (j < k) {
-        swap = j;
-        j = k;
-        k = swap;
-        lambda += 4u;
-    }
-    // An odd permutation turns the winding round, and so does a mirroring transform. Where two levels
-    // are equal, permutations of either parity serve, so the one that keeps the winding is taken;
-    // three distinct levels leave no choice and take the mirrored range.
-    bool mirrored = girih_instance_mirrored(instance);
-    uint range = 0u;
-    if (i == j || j == k) {
-        lambda = GIRIH_LAMBDA_EVEN(lambda);
-        if (mirrored) {
-            lambda = i == j ? GIRIH_LAMBDA_ODD_IJ(lambda) : GIRIH_LAMBDA_ODD_JK(lambda);
-        }
-    } else if ((GIRIH_LAMBDA_IS_ODD(lambda) != 0u) != mirrored) {
-        range = 1u;
-    }
-    uint rank = i * (i + 1u) * (i + 2u) / 6u + j * (j + 1u) / 2u + k;
-    range += girih_pattern(rank, GIRIH_PATTERN_RANGE);
-    uint group = (material & GIRIH_MATERIAL_MASK) * girih_frame.range_count + range;
-    GIRIH_AT_KEYS(triangle) = group << 3 | lambda;
+    GIRIH_AT_KEYS(triangle) = girih_key(levels, material, girih_instance_mirrored(instance));
 }
 
 #endif

@@ -29,29 +29,30 @@
 #define GIRIH_BIND_INSTANCES 15       // plan: GIRIH_INSTANCE_WORDS each, one more at the end
 #define GIRIH_BIND_BLOCKS 16          // plan: the instance of every 64th triangle, edge, weld edge, welded corner
 #define GIRIH_BIND_LEVELS 17          // plan: one level an instance's edge
-#define GIRIH_BIND_KEYS 18            // plan: one key an instance's triangle
-#define GIRIH_BIND_ITEMS 19           // plan: the sorted triangles, GIRIH_ITEM_WORDS each
-#define GIRIH_BIND_ITEMS_SPARE 20     // plan: the same, where the sort takes more than one pass
-#define GIRIH_BIND_COUNTERS 21        // plan: the sort's and the scan's counters
-#define GIRIH_BIND_GROUPS 22          // plan: GIRIH_GROUP_WORDS a group, one more at the end
-#define GIRIH_BIND_STATUS 23          // plan: GIRIH_STATUS_WORDS, then one word a rank: in use, then
+#define GIRIH_BIND_SPLITS 18         // plan: the parts of split triangles, GIRIH_SPLIT_WORDS each
+#define GIRIH_BIND_KEYS 19            // plan: one key an instance's triangle, then one a part
+#define GIRIH_BIND_ITEMS 20           // plan: the sorted triangles, GIRIH_ITEM_WORDS each
+#define GIRIH_BIND_ITEMS_SPARE 21     // plan: the same, where the sort takes more than one pass
+#define GIRIH_BIND_COUNTERS 22        // plan: the sort's and the scan's counters
+#define GIRIH_BIND_GROUPS 23          // plan: GIRIH_GROUP_WORDS a group, one more at the end
+#define GIRIH_BIND_STATUS 24          // plan: GIRIH_STATUS_WORDS, then one word a rank: in use, then
                                       // each material's first output triangle and their end
-#define GIRIH_BIND_DRAWS 24           // plan: VkDrawIndexedIndirectCommand
-#define GIRIH_BIND_WELD_OFFSETS 25    // plan: per instance's weld edge, its first output vertex
-#define GIRIH_BIND_OUT_POSITIONS 26   // output: 3 floats, in windows
-#define GIRIH_BIND_OUT_ATTRIBUTES 27  // output: normal, attributes and, where wanted, the previous frame's
+#define GIRIH_BIND_DRAWS 25           // plan: VkDrawIndexedIndirectCommand
+#define GIRIH_BIND_WELD_OFFSETS 26    // plan: per instance's weld edge, its first output vertex
+#define GIRIH_BIND_OUT_POSITIONS 27   // output: 3 floats, in windows
+#define GIRIH_BIND_OUT_ATTRIBUTES 28  // output: normal, attributes and, where wanted, the previous frame's
                                       // position, in windows; instanced: patches
-#define GIRIH_BIND_OUT_INDICES 28     // output: 3 a triangle, in windows
-#define GIRIH_BIND_OUT_CLOSED_INDICES 29 // output: 3 a triangle, in windows
-#define GIRIH_BIND_OUT_SOURCES 30     // output: instance and triangle of each output triangle, in windows
-#define GIRIH_BIND_COUNT 31
+#define GIRIH_BIND_OUT_INDICES 29     // output: 3 a triangle, in windows
+#define GIRIH_BIND_OUT_CLOSED_INDICES 30 // output: 3 a triangle, in windows
+#define GIRIH_BIND_OUT_SOURCES 31     // output: instance and triangle of each output triangle, in windows
+#define GIRIH_BIND_COUNT 32
 
 // Where only four storage buffers a stage may be had: all arrays of the scene and the catalogue in
 // one, all of the plan in another. Positions and attributes keep theirs, and each of the index lists
 // is written by a dispatch of its own through the binding of the positions.
 #define GIRIH_BIND_SHARED_SCENE 1
 #define GIRIH_BIND_SHARED_PLAN 15
-#define GIRIH_BIND_SHARED_LIST 26
+#define GIRIH_BIND_SHARED_LIST 27
 
 // --- Marks in the scene's words ------------------------------------------------------------------
 #define GIRIH_EDGE_SEAM 0x80000000u     // the edge is a seam: its curve is the mean of two sides'
@@ -118,10 +119,32 @@
 #define GIRIH_DRAW_WORDS 5u            // VkDrawIndexedIndirectCommand
 #define GIRIH_DRAW_TRIANGLES 4096u     // triangles a baked draw's replicas hold at most, if more than one
 
+// --- Splitting ------------------------------------------------------------------------------------
+//
+// A triangle with an edge of more segments than the catalogue holds is split by a base pattern, its parts if need be
+// again. Parts are numbered as the plan's triangles after all of the instances' own.
+#define GIRIH_SPLIT_WORDS 12
+#define GIRIH_SPLIT_ROOT 0             // the plan's triangle that it is a part of
+#define GIRIH_SPLIT_LEVELS 1           // of edges 1 and 2, 16 bits each; of edge 3, and GIRIH_SPLIT_FIRST
+#define GIRIH_SPLIT_CORNERS 4          // of each corner the weights of the root's corners 1 and 2, 24 bits each, and
+                                       // above them 8 bits each of the segments, less one, of a root's edge
+
+#define GIRIH_SPLIT_FIRST 0x10000u     // stands for the whole root when the frame is drawn at level 0
+#define GIRIH_SPLIT_WEIGHT_BITS 24u
+#define GIRIH_SPLIT_WEIGHT_MASK 0xffffffu
+// A root's weights are over 2^23, so that places between those of a pattern (over 2^15) can be told apart, and a float
+// still holds each of them.
+#define GIRIH_SPLIT_UNIT 256u          // of a pattern's weight in a root's
+#define GIRIH_SPLIT_ONE 0x800000u
+#define GIRIH_SPLIT_MOST_SEGMENTS 64u  // that an edge is split into at once: a lane's turns are counted
+#define GIRIH_SPLIT_MOST_PARTS 0x40000000u // that are counted
+#define GIRIH_MOST_SEGMENTS 32768u     // of an edge: one to a unit of a pattern's weights
+
 // --- Sorting --------------------------------------------------------------------------------------
 //
 // A key is group << 3 | lambda, and group = material * ranges + range.
 #define GIRIH_KEY_CULLED 0xffffffffu
+#define GIRIH_KEY_SPLIT 0x80000000u    // on a key: its parts are drawn, unless they found no room
 #define GIRIH_ITEM_WORDS 2
 #define GIRIH_ITEM_TRIANGLE 0          // the plan's triangle
 #define GIRIH_ITEM_KEY 1
@@ -149,7 +172,7 @@
 #define GIRIH_GROUP_MIRRORED 0x80000000u // uses its pattern's mirrored range
 
 // --- Status: what the host may read after a frame ---------------------------------------------------
-#define GIRIH_STATUS_WORDS 32
+#define GIRIH_STATUS_WORDS 40
 #define GIRIH_STATUS_ITEMS 0            // triangles that were not culled
 #define GIRIH_STATUS_CLAMPED 1          // edges that asked for more than the catalogue holds
 #define GIRIH_STATUS_FLAGS 2
@@ -164,8 +187,18 @@
 #define GIRIH_STATUS_EVALUATE 16        // VkDispatchIndirectCommand of evaluate and output
 #define GIRIH_STATUS_INTERIOR 20        // the same, from the first item on that adds vertices of its own
 #define GIRIH_STATUS_FIRST_INTERIOR 23  // that item
+#define GIRIH_STATUS_SPLITS 24          // parts; 0 after an overflow of theirs
+#define GIRIH_STATUS_NEEDED_SPLITS 25   // parts that were asked for, as far as they are known: with those of each pass
+#define GIRIH_STATUS_SPLIT_ROOTS 26     // triangles of instances that are split
+#define GIRIH_STATUS_SPLIT_AGAIN 27     // parts that are split
+#define GIRIH_STATUS_SPLIT_PASS 28      // of even passes, then of odd ones: GIRIH_SPLIT_PASS_WORDS
+#define GIRIH_SPLIT_PASS_DISPATCH 0     // VkDispatchIndirectCommand
+#define GIRIH_SPLIT_PASS_FIRST 3        // what the pass may have to split: first part and end
+#define GIRIH_SPLIT_PASS_END 4
+#define GIRIH_SPLIT_PASS_WORDS 5
 
 #define GIRIH_STATUS_OVERFLOW 1u        // the frame was drawn at level 0 because it did not fit
+#define GIRIH_STATUS_SPLIT_OVERFLOW 2u  // the parts found no room
 
 // --- Frame ------------------------------------------------------------------------------------------
 #define GIRIH_LEVELS_UNIFORM 0u
@@ -199,6 +232,9 @@
     UINT cull; \
     UINT linear_spacing; \
     UINT level_count; \
+    UINT last_level;         /* of an edge: where it is beyond the catalogue's, triangles are split */ \
+    UINT max_splits;         /* room for parts */ \
+    UINT split_passes; \
     UINT triangle_count;     /* of all instances, as the next two */ \
     UINT edge_count; \
     UINT weld_edge_count; \
@@ -257,6 +293,7 @@
 #define GIRIH_VARIANT_PREVIOUS 512u     // the previous frame's positions are written too
 #define GIRIH_VARIANT_MATERIALS 1024u   // not every triangle of the scene has material 0 and one side
 #define GIRIH_VARIANT_OUTPUT_SHIFT 11u  // output: the index lists that are written, GIRIH_OUTPUT_BIT_*
+#define GIRIH_VARIANT_SPLITS 16384u     // triangles may be split
 
 // --- Modes and workgroups -----------------------------------------------------------------------------
 #define GIRIH_OUTPUT_INSTANCED 0u
@@ -267,6 +304,7 @@
 #define GIRIH_OUTPUT_BIT_CLOSED_INDICES 2u
 #define GIRIH_OUTPUT_BIT_SOURCES 4u
 
+#define GIRIH_SPLIT_BLOCK 128u          // triangles, or parts, that one workgroup splits
 #define GIRIH_FEW_GROUPS 16384u         // dispatch: up to so many groups lanes walk on over empty ones, and a serial
                                         // workgroup does it: 65,535 turns are lavapipe's limit
 #define GIRIH_WORKGROUP 64
@@ -283,6 +321,8 @@
 // In world space, corners already permuted by lambda, so that the base pattern applies unchanged.
 #define GIRIH_PATCH_WORDS_FLAT 24       // corners 3x3, normals 3x3, ids 4, padding 2
 #define GIRIH_PATCH_WORDS_PN 52         // control points 10x3, normals 6x3, ids 4
+#define GIRIH_PATCH_WORDS_PART 8        // after each of these, where triangles may be split: a part's corners, in
+                                        // the order of the base pattern, as from GIRIH_SPLIT_CORNERS on; padding 2
 #define GIRIH_PATCH_WORDS_OWN 4         // scene triangle, instance, key, rank: the vertex shader gathers the rest
 // ids: the three vertices (for attributes), then the item's key
 

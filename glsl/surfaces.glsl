@@ -121,8 +121,14 @@ vec3 girih_patch_normal(GirihPatch p, float u, float v, float w) {
 
 #endif
 
+// From a pattern's weights.
 vec3 girih_barycentric(uvec3 weights) {
     return vec3(weights) * (1.0 / 32768.0);
+}
+
+// From the finer ones that places in a root have: over GIRIH_SPLIT_ONE.
+vec3 girih_root_barycentric(uvec3 weights) {
+    return vec3(weights) * (1.0 / 8388608.0);
 }
 
 // Linear interpolation of one attribute of the three corners.

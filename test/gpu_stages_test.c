@@ -23,6 +23,7 @@ static gpu device;
 static gpu_readback readback;
 static uint64_t words_compared;
 static uint64_t triangles_compared;
+static uint64_t parts_compared;
 static uint32_t small_frames; // of plans that do stages 1 to 4 in one dispatch
 static char what[256]; // the case at hand, for messages
 
@@ -93,7 +94,8 @@ static void compare_patches(const stages *twin, girih_surface surface) {
     const uint32_t *twin_words = twin->arrays.words[GIRIH_BIND_OUT_ATTRIBUTES];
     const bool pn = surface == GIRIH_SURFACE_PN;
     const uint32_t points = pn ? 30 : 9, normals = pn ? 6 : 3,
-                   words = pn ? GIRIH_PATCH_WORDS_PN : GIRIH_PATCH_WORDS_FLAT;
+                   part = twin->arrays.frame.max_splits > 0 ? GIRIH_PATCH_WORDS_PART : 0,
+                   words = (pn ? GIRIH_PATCH_WORDS_PN : GIRIH_PATCH_WORDS_FLAT) + part;
     const uint32_t items = twin->arrays.words[GIRIH_BIND_STATUS][GIRIH_STATUS_ITEMS];
     for (uint32_t item = 0; item < items; ++item) {
         const uint32_t *a = gpu_words + (size_t)item * words,
@@ -104,6 +106,7 @@ static void compare_patches(const stages *twin, girih_surface surface) {
                         b + points + 3 * n, true);
         }
         assert_words("a patch's ids", a + points + 3 * normals, b + points + 3 * normals, 4);
+        assert_words("a patch's part", a + words - part, b + words - part, part);
     }
 }
 
@@ -142,6 +145,11 @@ static void compare(stages *twin, const girih_plan *plan, const girih_frame *fra
                      arrays->words[GIRIH_BIND_STATUS][GIRIH_STATUS_CLAMPED]);
     girih_twin_select(arrays, plan->surface);
     compare_array("select: keys", twin, GIRIH_BIND_KEYS, arrays->frame.triangle_count);
+    girih_twin_split(arrays);
+    const uint32_t splits = arrays->words[GIRIH_BIND_STATUS][GIRIH_STATUS_SPLITS];
+    compare_array("split: parts", twin, GIRIH_BIND_SPLITS, (uint64_t)splits * GIRIH_SPLIT_WORDS);
+    compare_array("split: keys", twin, GIRIH_BIND_KEYS, arrays->frame.triangle_count + splits);
+    parts_compared += splits;
     assert_ok(girih_twin_group(arrays, &error), &error);
     const uint32_t items = arrays->words[GIRIH_BIND_STATUS][GIRIH_STATUS_ITEMS];
     assert_int_equal(readback.words[GIRIH_BIND_STATUS][GIRIH_STATUS_ITEMS], items);
@@ -153,6 +161,11 @@ static void compare(stages *twin, const girih_plan *plan, const girih_frame *fra
     }
     girih_twin_dispatch(arrays);
     compare_array("dispatch: groups", twin, GIRIH_BIND_GROUPS, arrays->count[GIRIH_BIND_GROUPS]);
+    // The passes of split are the GPU's alone.
+    uint32_t *status = arrays->words[GIRIH_BIND_STATUS];
+    memcpy(status + GIRIH_STATUS_SPLIT_PASS,
+           readback.words[GIRIH_BIND_STATUS] + GIRIH_STATUS_SPLIT_PASS,
+           2 * GIRIH_SPLIT_PASS_WORDS * sizeof *status);
     compare_array("dispatch: status", twin, GIRIH_BIND_STATUS, arrays->count[GIRIH_BIND_STATUS]);
     compare_array("dispatch: draws", twin, GIRIH_BIND_DRAWS,
                   (uint64_t)arrays->frame.draws_per_material * arrays->frame.material_count * 5);
@@ -222,6 +235,7 @@ typedef struct setting {
     girih_scene *scene;
     placement placed;
     stages packed;
+    uint32_t max_segments, max_splits;
 } setting;
 
 // Has the plan do its stages in dispatches of their own, whatever its size.
@@ -241,6 +255,8 @@ static void check_frame(const setting *on, girih_plan *plan, const girih_frame *
                                        .outputs = plan->outputs,
                                        .max_vertices = plan->arrays.frame.max_vertices,
                                        .max_triangles = plan->arrays.frame.max_triangles,
+                                       .max_segments = on->max_segments,
+                                       .max_splits = on->max_splits,
                                        .pattern_draws = plan->arrays.frame.pattern_draws != 0,
                                        .serial_sort = on->context->serial_sort});
     compare(&twin, plan, frame);
@@ -252,7 +268,11 @@ static void run_frame(const setting *on, girih_surface surface, girih_mode mode,
                       const girih_frame *frame, uint32_t room) {
     stages counted = begin_frame(
         &on->packed, &on->placed,
-        (girih_plan_shape){.mode = mode, .max_vertices = UINT32_MAX, .max_triangles = UINT32_MAX});
+        (girih_plan_shape){.mode = mode,
+                           .max_vertices = UINT32_MAX,
+                           .max_triangles = UINT32_MAX,
+                           .max_segments = on->max_segments,
+                           .max_splits = on->max_splits});
     stages_frame(&counted, frame);
     stages_count(&counted, surface);
     const girih_statistics needed = stages_statistics(&counted);
@@ -265,7 +285,9 @@ static void run_frame(const setting *on, girih_surface surface, girih_mode mode,
                                   .outputs = outputs,
                                   .max_vertices = (uint32_t)(needed.needed_vertices * room / 100),
                                   .max_triangles =
-                                      (uint32_t)(needed.needed_triangles * room / 100)};
+                                      (uint32_t)(needed.needed_triangles * room / 100),
+                                  .max_segments = on->max_segments,
+                                  .max_splits = on->max_splits};
     girih_plan *plan;
     girih_error error = {GIRIH_OK, ""};
     assert_ok(girih_plan_create(on->context, &desc, &plan, &error), &error);
@@ -453,6 +475,68 @@ static void dyadic_workgroup(void **state) {
 static void linear_serial_few(void **state) {
     (void)state;
     run_variant((gpu_variant){.linear = 1, .sort = GIRIH_SORT_SERIAL, .few_buffers = 1}, 4);
+}
+
+// --- Beyond the catalogue -------------------------------------------------------------------------
+
+static const girih_frame long_edges[] = {
+    {.rule = GIRIH_LEVEL_SEGMENTS, .segments = 90},
+    {.rule = GIRIH_LEVEL_EDGE_LENGTH, .length = 0.011f},
+    {.rule = GIRIH_LEVEL_RANDOM, .segments = 400, .seed = 3},
+    {.rule = GIRIH_LEVEL_EDGE_PIXELS,
+     .length = 2,
+     .pixels_per_unit = 700,
+     .near_distance = 0.2f,
+     .eye = {1, 0.5f, 1},
+     .cull_back = 1},
+};
+
+static void run_splits(gpu_variant variant) {
+    girih_context *context = gpu_variant_context(&device, variant);
+    const girih_catalogue *catalogue =
+        variant.linear ? girih_catalogue_linear() : girih_catalogue_dyadic();
+    // One mesh as it is, and in instances that mirror.
+    const placement placements[2] = {
+        {.name = "cube", .mesh_count = 1, .meshes = meshes + 2, .instances = &once, .instance_count = 1},
+        {.name = "crowd", .mesh_count = MESHES, .meshes = meshes, .instances = crowd, .instance_count = 4}};
+    const uint64_t before = parts_compared;
+    for (uint32_t which = 0; which < 2; ++which) {
+        setting on = begin_setting(context, catalogue, placements[which]);
+        on.max_segments = 500;
+        for (uint32_t n = 0; n < sizeof long_edges / sizeof *long_edges; ++n) {
+            for (uint32_t combination = 0; combination < 4; ++combination) {
+                const girih_surface surface =
+                    combination % 2 ? GIRIH_SURFACE_PN : GIRIH_SURFACE_FLAT;
+                const girih_mode mode = (girih_mode)(combination / 2);
+                girih_frame frame = long_edges[n];
+                frame.length *= which ? 3.0f : 1.0f;
+                frame.segments = frame.segments > 100 && which ? 100 : frame.segments;
+                snprintf(what, sizeof what, "%s, %s, few %d, surface %d, mode %d, long edges %u",
+                         placements[which].name, variant.linear ? "linear" : "dyadic",
+                         variant.few_buffers, surface, mode, n);
+                on.max_splits = 1000000;
+                run_frame(&on, surface, mode, 0, &frame, 100);
+                strncat(what, ", overflow", sizeof what - strlen(what) - 1);
+                run_frame(&on, surface, mode, 0, &frame, 10);
+                strncat(what, " of parts", sizeof what - strlen(what) - 1);
+                on.max_splits = 20;
+                run_frame(&on, surface, mode, 0, &frame, 100);
+            }
+        }
+        end_setting(&on);
+    }
+    girih_context_destroy(context);
+    assert_true(parts_compared - before > 10000);
+}
+
+static void splits_dyadic_serial(void **state) {
+    (void)state;
+    run_splits((gpu_variant){.linear = 0, .sort = GIRIH_SORT_SERIAL, .few_buffers = 0});
+}
+
+static void splits_linear_workgroup_few(void **state) {
+    (void)state;
+    run_splits((gpu_variant){.linear = 1, .sort = GIRIH_SORT_WORKGROUP, .few_buffers = 1});
 }
 
 // --- The sort alone, on keys of the test's own
@@ -701,6 +785,7 @@ int main(void) {
         cmocka_unit_test(dyadic_workgroup),  cmocka_unit_test(linear_serial_few),
         cmocka_unit_test(group_serial),      cmocka_unit_test(group_workgroup),
         cmocka_unit_test(group_few_buffers), cmocka_unit_test(many_groups),
+        cmocka_unit_test(splits_dyadic_serial), cmocka_unit_test(splits_linear_workgroup_few),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     for (int n = 0; n < MESHES; ++n) {

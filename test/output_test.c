@@ -81,11 +81,10 @@ static void modes_give_the_same_triangles(void **state) {
     for (int n = 0; n < MESHES; ++n) {
         const girih_mesh *mesh = make_mesh(n);
         stages baked = stages_begin(girih_catalogue_linear(), &mesh, 1, two_instances, 2,
-                                    (girih_plan_shape){GIRIH_MODE_BAKED, all_lists, 0, 0, 0, 0, 0});
+                                    (girih_plan_shape){.mode = GIRIH_MODE_BAKED, .outputs = all_lists});
         stages welded =
             stages_begin(girih_catalogue_linear(), &mesh, 1, two_instances, 2,
-                         (girih_plan_shape){GIRIH_MODE_WELDED,
-                                            all_lists | GIRIH_OUTPUT_CLOSED_INDICES, 0, 0, 0, 0, 0});
+                         (girih_plan_shape){.mode = GIRIH_MODE_WELDED, .outputs = all_lists | GIRIH_OUTPUT_CLOSED_INDICES});
         for (uint32_t seed = 0; seed < SEEDS; ++seed) {
             const girih_frame frame = {
                 .rule = GIRIH_LEVEL_RANDOM, .segments = 2 + seed % 6, .seed = seed};
@@ -209,7 +208,7 @@ static void sharing_follows_the_indices(void **state) {
     for (int n = 0; n < MESHES; ++n) {
         const girih_mesh *mesh = make_mesh(n);
         stages s = stages_begin(girih_catalogue_linear(), &mesh, 1, two_instances, 2,
-                                (girih_plan_shape){GIRIH_MODE_WELDED, all_lists, 0, 0, 0, 0, 0});
+                                (girih_plan_shape){.mode = GIRIH_MODE_WELDED, .outputs = all_lists});
         for (uint32_t seed = 0; seed < 4; ++seed) {
             const girih_frame frame = {.rule = GIRIH_LEVEL_RANDOM, .segments = 6, .seed = seed};
             stages_refine(&s, &frame, GIRIH_SURFACE_FLAT);
@@ -232,7 +231,7 @@ static void sources_and_materials(void **state) {
         {1, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}, {1, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}},
         {0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}, {1, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}};
     stages s = stages_begin(girih_catalogue_dyadic(), meshes, 3, instances, 6,
-                            (girih_plan_shape){GIRIH_MODE_BAKED, all_lists, 0, 0, 0, 0, 0});
+                            (girih_plan_shape){.mode = GIRIH_MODE_BAKED, .outputs = all_lists});
     const girih_frame frame = {.rule = GIRIH_LEVEL_RANDOM, .segments = 8, .seed = 1};
     stages_refine(&s, &frame, GIRIH_SURFACE_PN);
     const uint32_t *first =

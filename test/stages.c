@@ -71,6 +71,7 @@ void stages_count(stages *s, girih_surface surface) {
     girih_error error = {GIRIH_OK, ""};
     girih_twin_levels(&s->arrays);
     girih_twin_select(&s->arrays, surface);
+    girih_twin_split(&s->arrays);
     assert_ok(girih_twin_group(&s->arrays, &error), &error);
     if (s->shape.mode == GIRIH_MODE_WELDED) {
         girih_twin_weld(&s->arrays);
@@ -82,8 +83,9 @@ void stages_write(stages *s, girih_surface surface) {
     const girih_statistics statistics = stages_statistics(s);
     girih_arrays *arrays = &s->arrays;
     if (s->shape.mode == GIRIH_MODE_INSTANCED) {
-        const uint64_t patch_words =
-            surface == GIRIH_SURFACE_PN ? GIRIH_PATCH_WORDS_PN : GIRIH_PATCH_WORDS_FLAT;
+        const uint32_t patch_words =
+            (surface == GIRIH_SURFACE_PN ? GIRIH_PATCH_WORDS_PN : GIRIH_PATCH_WORDS_FLAT) +
+            (arrays->frame.max_splits > 0 ? GIRIH_PATCH_WORDS_PART : 0u);
         allocate(arrays, GIRIH_BIND_OUT_ATTRIBUTES,
                  arrays->words[GIRIH_BIND_STATUS][GIRIH_STATUS_ITEMS] * patch_words);
         girih_twin_evaluate(arrays, surface);

@@ -277,14 +277,15 @@ void girih_twin_dispatch(girih_arrays *arrays) {
     }
     sums total = sum_groups(arrays, false);
     uint64_t vertices = total.vertices + border;
+    const uint32_t no_parts = status[GIRIH_STATUS_FLAGS] & GIRIH_STATUS_SPLIT_OVERFLOW;
     const bool level0 =
-        total.triangles > frame->max_triangles ||
+        no_parts != 0 || total.triangles > frame->max_triangles ||
         (frame->output_mode != GIRIH_OUTPUT_INSTANCED && vertices > frame->max_vertices);
     status[GIRIH_STATUS_NEEDED_VERTICES] = (uint32_t)vertices;
     status[GIRIH_STATUS_NEEDED_VERTICES + 1] = (uint32_t)(vertices >> 32);
     status[GIRIH_STATUS_NEEDED_TRIANGLES] = (uint32_t)total.triangles;
     status[GIRIH_STATUS_NEEDED_TRIANGLES + 1] = (uint32_t)(total.triangles >> 32);
-    status[GIRIH_STATUS_FLAGS] = level0 ? GIRIH_STATUS_OVERFLOW : 0;
+    status[GIRIH_STATUS_FLAGS] = no_parts | (level0 ? GIRIH_STATUS_OVERFLOW : 0);
     if (level0) {
         total = sum_groups(arrays, true);
         border = welded ? frame->corner_count : 0;

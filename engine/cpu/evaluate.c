@@ -10,6 +10,22 @@ static void write_vector(uint32_t *words, girih_vector v) {
     memcpy(words, values, sizeof values);
 }
 
+// The corners in the order of the base pattern; 0 for a triangle that is not split.
+static void write_part(const girih_arrays *arrays, uint32_t *words, const girih_item *item) {
+    memset(words, 0, GIRIH_PATCH_WORDS_PART * sizeof *words);
+    if (!item->is_part) {
+        return;
+    }
+    const uint32_t corners = GIRIH_LAMBDA_CORNERS(item->lambda);
+    const girih_part part = girih_item_part(arrays, item);
+    girih_part permuted = part;
+    for (uint32_t n = 0; n < 3; ++n) {
+        memcpy(permuted.corners[n], part.corners[corners >> (2 * n) & 3],
+               sizeof permuted.corners[n]);
+    }
+    girih_pack_corners(words, &permuted);
+}
+
 static void write_patch(girih_arrays *arrays, uint32_t number, girih_surface surface) {
     const girih_item item = girih_read_item(arrays, number);
     uint32_t vertices[3];
@@ -17,7 +33,9 @@ static void write_patch(girih_arrays *arrays, uint32_t number, girih_surface sur
     girih_patch p;
     girih_item_patch(arrays, &item, vertices, surface, &p);
     const bool pn = surface == GIRIH_SURFACE_PN;
-    const uint32_t patch_words = pn ? GIRIH_PATCH_WORDS_PN : GIRIH_PATCH_WORDS_FLAT;
+    const uint32_t part_words = arrays->frame.max_splits > 0 ? GIRIH_PATCH_WORDS_PART : 0;
+    const uint32_t patch_words =
+        (pn ? GIRIH_PATCH_WORDS_PN : GIRIH_PATCH_WORDS_FLAT) + part_words;
     uint32_t *words = arrays->words[GIRIH_BIND_OUT_ATTRIBUTES] + (size_t)number * patch_words;
     write_vector(words, p.b300);
     write_vector(words + 3, p.b030);
@@ -49,6 +67,9 @@ static void write_patch(girih_arrays *arrays, uint32_t number, girih_surface sur
     const uint32_t group =
         overflow ? item.group - item.group % arrays->frame.range_count : item.group;
     words[3] = group << 3 | item.lambda;
+    if (part_words != 0) {
+        write_part(arrays, words + (pn ? 4 : 6), &item);
+    }
 }
 
 // Where a vertex goes: its position, and words of its normal followed by its attributes.
@@ -64,7 +85,7 @@ static target find_target(const girih_arrays *arrays, uint32_t vertex) {
 
 static void to_barycentric(const uint32_t weights[3], float b[3]) {
     for (int n = 0; n < 3; ++n) {
-        b[n] = (float)weights[n] * (1.0f / 32768.0f);
+        b[n] = (float)weights[n] * (1.0f / (float)GIRIH_SPLIT_ONE);
     }
 }
 
@@ -96,7 +117,7 @@ static void begin_own(own_item *surface, const girih_arrays *arrays, const girih
     surface->other.scene_triangle = item->scene_triangle;
 }
 
-// `permuted`: the weights of the base pattern's corners.
+// `permuted`: the weights of the item's corners.
 static void write_own_point(own_item *surface, const uint32_t permuted[3], target out) {
     const girih_item *item = surface->item;
     uint32_t weights[3];
@@ -125,6 +146,10 @@ static void write_own_points(girih_arrays *arrays, uint32_t number, const girih_
     if (welded) {
         weld = girih_item_weld(arrays, &item, vertices, false);
     }
+    girih_part part = {.root = 0};
+    if (item.is_part) {
+        part = girih_item_part(arrays, &item);
+    }
     own_item surface;
     begin_own(&surface, arrays, desc, &item);
     const uint32_t *pattern_vertices =
@@ -132,9 +157,8 @@ static void write_own_points(girih_arrays *arrays, uint32_t number, const girih_
         girih_group_word(arrays, item.group, GIRIH_GROUP_PATTERN_VERTEX);
     for (uint32_t n = 0; n < count; ++n) {
         const target out = find_target(arrays, welded ? girih_weld_vertex(&weld, n) : first + n);
-        const uint32_t u = pattern_vertices[n] & 0xffff;
-        const uint32_t v = pattern_vertices[n] >> 16;
-        const uint32_t weights[3] = {u, v, 32768 - u - v};
+        uint32_t weights[3];
+        girih_item_weights(&item, &part, pattern_vertices[n], weights);
         float b[3];
         to_barycentric(weights, b);
         write_own_point(&surface, weights, out);

@@ -7,9 +7,18 @@
 #include "../memory.h"
 #include "scene.h"
 
+// The key of a triangle or a part; of one that is split only where its parts found no room.
+static uint32_t read_key(const girih_arrays *arrays, uint32_t n) {
+    const uint32_t key = arrays->words[GIRIH_BIND_KEYS][n];
+    if (key < GIRIH_KEY_SPLIT || key == GIRIH_KEY_CULLED) {
+        return key;
+    }
+    const uint32_t flags = arrays->words[GIRIH_BIND_STATUS][GIRIH_STATUS_FLAGS];
+    return (flags & GIRIH_STATUS_SPLIT_OVERFLOW) != 0 ? key ^ GIRIH_KEY_SPLIT : GIRIH_KEY_CULLED;
+}
+
 girih_result girih_twin_group(girih_arrays *arrays, girih_error *error) {
     const girih_frame_block *frame = &arrays->frame;
-    const uint32_t *keys = arrays->words[GIRIH_BIND_KEYS];
     uint32_t *items = arrays->words[GIRIH_BIND_ITEMS];
     uint32_t *groups = arrays->words[GIRIH_BIND_GROUPS];
     uint32_t *next = girih_allocate_array(frame->group_count, sizeof *next);
@@ -19,9 +28,12 @@ girih_result girih_twin_group(girih_arrays *arrays, girih_error *error) {
     }
     memset(groups, 0, (size_t)arrays->count[GIRIH_BIND_GROUPS] * sizeof *groups);
     memset(next, 0, (size_t)frame->group_count * sizeof *next);
-    for (uint32_t n = 0; n < frame->triangle_count; ++n) {
-        if (keys[n] != GIRIH_KEY_CULLED) {
-            ++next[keys[n] >> 3];
+    const uint32_t key_count =
+        frame->triangle_count + arrays->words[GIRIH_BIND_STATUS][GIRIH_STATUS_SPLITS];
+    for (uint32_t n = 0; n < key_count; ++n) {
+        const uint32_t key = read_key(arrays, n);
+        if (key != GIRIH_KEY_CULLED) {
+            ++next[key >> 3];
         }
     }
     uint32_t sum = 0;
@@ -35,11 +47,12 @@ girih_result girih_twin_group(girih_arrays *arrays, girih_error *error) {
         }
         sum += count;
     }
-    for (uint32_t n = 0; n < frame->triangle_count; ++n) {
-        if (keys[n] != GIRIH_KEY_CULLED) {
-            uint32_t *item = items + (size_t)next[keys[n] >> 3]++ * GIRIH_ITEM_WORDS;
+    for (uint32_t n = 0; n < key_count; ++n) {
+        const uint32_t key = read_key(arrays, n);
+        if (key != GIRIH_KEY_CULLED) {
+            uint32_t *item = items + (size_t)next[key >> 3]++ * GIRIH_ITEM_WORDS;
             item[GIRIH_ITEM_TRIANGLE] = n;
-            item[GIRIH_ITEM_KEY] = keys[n];
+            item[GIRIH_ITEM_KEY] = key;
         }
     }
     arrays->words[GIRIH_BIND_STATUS][GIRIH_STATUS_ITEMS] = sum;

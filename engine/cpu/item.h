@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "girih_permutation.h"
+#include "part.h"
 #include "pn.h"
 #include "surfaces.h"
 
@@ -18,17 +19,26 @@ typedef struct girih_item {
     uint32_t rank;
     bool mirrored; // uses its pattern's mirrored range
     uint32_t lambda;
+    bool is_part;        // of a split triangle
+    uint32_t part;       // then: its number
     uint32_t corners[3]; // input corner 0..2 at each of the base pattern's corners
     uint32_t edges[3];   // input edge 0..2 at each of the base pattern's edges
     bool odd;            // the base pattern's edges run against the input's
+    // A part's points are evaluated in its root, whose corners and edges stay in the input's order.
 } girih_item;
 
 static inline girih_item girih_read_item(const girih_arrays *arrays, uint32_t number) {
     const uint32_t *words = arrays->words[GIRIH_BIND_ITEMS] + (size_t)number * GIRIH_ITEM_WORDS;
-    const uint32_t triangle = words[GIRIH_ITEM_TRIANGLE];
+    uint32_t triangle = words[GIRIH_ITEM_TRIANGLE];
     const uint32_t key = words[GIRIH_ITEM_KEY];
     girih_item item;
     item.number = number;
+    item.is_part = triangle >= arrays->frame.triangle_count;
+    item.part = triangle - arrays->frame.triangle_count;
+    if (item.is_part) {
+        triangle = girih_word(arrays, GIRIH_BIND_SPLITS,
+                              (size_t)item.part * GIRIH_SPLIT_WORDS + GIRIH_SPLIT_ROOT);
+    }
     item.instance = girih_find_instance(arrays, triangle, GIRIH_INSTANCE_FIRST_TRIANGLE,
                                         arrays->frame.triangle_blocks);
     item.scene_triangle =
@@ -44,14 +54,46 @@ static inline girih_item girih_read_item(const girih_arrays *arrays, uint32_t nu
     const uint32_t rank = girih_group_word(arrays, item.group, GIRIH_GROUP_RANK);
     item.rank = rank & ~GIRIH_GROUP_MIRRORED;
     item.mirrored = (rank & GIRIH_GROUP_MIRRORED) != 0;
-    const uint32_t corners = GIRIH_LAMBDA_CORNERS(item.lambda);
-    const uint32_t edges = GIRIH_LAMBDA_EDGES(item.lambda);
+    const uint32_t placed = item.is_part ? 0 : item.lambda;
+    const uint32_t corners = GIRIH_LAMBDA_CORNERS(placed);
+    const uint32_t edges = GIRIH_LAMBDA_EDGES(placed);
     for (uint32_t n = 0; n < 3; ++n) {
         item.corners[n] = corners >> (2 * n) & 3;
         item.edges[n] = edges >> (2 * n) & 3;
     }
-    item.odd = (GIRIH_LAMBDA_IS_ODD(item.lambda)) != 0;
+    item.odd = (GIRIH_LAMBDA_IS_ODD(placed)) != 0;
     return item;
+}
+
+// The part that an item is, as it is drawn.
+static inline girih_part girih_item_part(const girih_arrays *arrays, const girih_item *item) {
+    girih_part part = girih_read_part(arrays, item->part);
+    if ((girih_word(arrays, GIRIH_BIND_STATUS, GIRIH_STATUS_FLAGS) & GIRIH_STATUS_OVERFLOW) != 0) {
+        girih_collapse_part(&part);
+    }
+    return part;
+}
+
+// The weights, over GIRIH_SPLIT_ONE, of the item's corners at a vertex of its pattern (a word of
+// PATTERN_VERTICES): of the triangle permuted by lambda, or of a part's root in the input's order.
+// `part` is the item's, if it is one.
+static inline void girih_item_weights(const girih_item *item, const girih_part *part,
+                                      uint32_t word, uint32_t result[3]) {
+    const uint32_t u = word & 0xffff;
+    const uint32_t v = word >> 16;
+    const uint32_t weights[3] = {u, v, 32768 - u - v};
+    if (!item->is_part) {
+        for (uint32_t n = 0; n < 3; ++n) {
+            result[n] = weights[n] * GIRIH_SPLIT_UNIT;
+        }
+        return;
+    }
+    const uint32_t corners = GIRIH_LAMBDA_CORNERS(item->lambda);
+    uint32_t own[3];
+    for (uint32_t n = 0; n < 3; ++n) {
+        own[corners >> (2 * n) & 3] = weights[n];
+    }
+    girih_part_weights(part, own, NULL, result);
 }
 
 static inline void girih_item_vertices(const girih_arrays *arrays, const girih_item *item,

@@ -1,8 +1,6 @@
 // Stage 1 on the CPU: one level per unique edge of every instance, from the edge alone. Twin of
 // glsl/levels.glsl.
-#include <stdbool.h>
-
-#include "scene.h"
+#include "part.h"
 
 // A random number from an edge's end points.
 static uint32_t hash_word(uint32_t hash, uint32_t word) {
@@ -35,27 +33,30 @@ static uint32_t hash_edge(const girih_arrays *arrays, uint32_t seed, uint32_t a,
     return hash_point(hash_point(hash, turned ? q : p), turned ? p : q);
 }
 
-static uint32_t level_segments(const girih_frame_block *frame, uint32_t level) {
-    return frame->linear_spacing != 0 ? level + 1 : 1u << level;
-}
-
 static uint32_t random_level(const girih_arrays *arrays, uint32_t a, uint32_t b, bool *clamped) {
     const girih_frame_block *frame = &arrays->frame;
     // By the hash's high bits: no division.
     const uint32_t drawn =
         (uint32_t)((uint64_t)hash_edge(arrays, frame->seed, a, b) * frame->random_segments >> 32);
-    const uint32_t last = frame->level_count - 1;
+    const uint32_t last = frame->last_level;
     if (frame->rule == GIRIH_LEVELS_RANDOM_LEVEL) {
         *clamped = drawn > last;
         return *clamped ? last : drawn;
     }
     const uint32_t segments = 1 + drawn;
-    uint32_t level = 0;
-    while (level < last && level_segments(frame, level) < segments) {
+    uint32_t level = frame->linear_spacing != 0 && drawn < last ? drawn : 0;
+    while (level < last && girih_level_segments(frame, level) < segments) {
         ++level;
     }
-    *clamped = level_segments(frame, level) < segments;
+    *clamped = girih_level_segments(frame, level) < segments;
     return level;
+}
+
+// Whether a level's segments are short enough.
+static bool reaches(const girih_frame_block *frame, uint32_t level, float distance_squared,
+                    float wanted) {
+    const float segments = (float)girih_level_segments(frame, level);
+    return wanted <= (segments * segments) * distance_squared;
 }
 
 static uint32_t length_level(const girih_arrays *arrays, uint32_t instance, uint32_t a, uint32_t b,
@@ -78,15 +79,26 @@ static uint32_t length_level(const girih_arrays *arrays, uint32_t instance, uint
     // neither root nor division is needed.
     const girih_vector along = girih_subtract(q, p);
     const float wanted = girih_dot(along, along) * frame->length_factor;
-    const uint32_t last = frame->level_count - 1;
-    for (uint32_t level = 0;; ++level) {
-        const float segments = (float)level_segments(frame, level);
-        const float reached = (segments * segments) * distance_squared;
-        *clamped = !(wanted <= reached);
-        if (!*clamped || level == last) {
-            return level;
+    uint32_t level = 0;
+    while (level < frame->level_count - 1 && !reaches(frame, level, distance_squared, wanted)) {
+        ++level;
+    }
+    if (reaches(frame, level, distance_squared, wanted)) {
+        *clamped = false;
+        return level;
+    }
+    // Beyond the catalogue levels may be many: more segments reach farther, so halving finds them.
+    uint32_t high = frame->last_level;
+    while (level < high) {
+        const uint32_t middle = (level + high) / 2;
+        if (reaches(frame, middle, distance_squared, wanted)) {
+            high = middle;
+        } else {
+            level = middle + 1;
         }
     }
+    *clamped = !reaches(frame, level, distance_squared, wanted);
+    return level;
 }
 
 // A world-space point as seen from above, from the axis through the eye.
@@ -116,9 +128,10 @@ static uint32_t horizontal_level(const girih_arrays *arrays, uint32_t instance, 
     const float dot = a.x * b.x + a.y * b.y;
     const plan_point along = {b.x - a.x, b.y - a.y};
     const float square = along.x * along.x + along.y * along.y;
-    const uint32_t last = frame->level_count - 1;
+    // The table of angles ends there.
+    const uint32_t last = frame->last_level < GIRIH_MAX_LEVELS ? frame->last_level : GIRIH_MAX_LEVELS - 1;
     for (uint32_t level = 0;; ++level) {
-        const float segments = (float)level_segments(frame, level);
+        const float segments = (float)girih_level_segments(frame, level);
         const float *turn = frame->turns[level / 2] + 2 * (level % 2);
         const float reached = (segments * segments) * frame->near_squared;
         const float less = cross * turn[0];

@@ -2,14 +2,6 @@
 // welded vertices inside shared edges. Twin of glsl/output.comp.
 #include "item.h"
 
-static uint32_t pattern_index(const girih_arrays *arrays, uint32_t n) {
-    const uint32_t *indices = arrays->words[GIRIH_BIND_PATTERN_INDICES];
-    if (arrays->frame.index_bytes == 4) {
-        return indices[n];
-    }
-    return indices[n >> 1] >> (16 * (n & 1)) & 0xffff;
-}
-
 // Indices of the pattern's from `first` on, each with `base` added.
 static void copy_indices(const girih_arrays *arrays, uint32_t first, uint32_t count, uint32_t base,
                          uint32_t *restrict out) {
@@ -62,7 +54,7 @@ static void write_triangles(girih_arrays *arrays, uint32_t number, uint32_t outp
     for (uint32_t triangle = 0; triangle < count; ++triangle) {
         const size_t slot = (size_t)first + triangle;
         for (uint32_t corner = 0; corner < 3; ++corner) {
-            const uint32_t n = pattern_index(arrays, first_index + 3 * triangle + corner);
+            const uint32_t n = girih_pattern_index(arrays, first_index + 3 * triangle + corner);
             if ((outputs & GIRIH_OUTPUT_BIT_INDICES) != 0) {
                 arrays->words[GIRIH_BIND_OUT_INDICES][3 * slot + corner] =
                     welded ? girih_weld_vertex(&weld, n) : first_vertex + n;

@@ -9,8 +9,8 @@
 // from.
 #define GIRIH_OWN_NORMAL_STEP (1.0f / 256.0f)
 
-// Where a pattern vertex is evaluated: a triangle, and its corners' weights over 32768, in the
-// order of the input.
+// Where a pattern vertex is evaluated: a triangle, and its corners' weights over GIRIH_SPLIT_ONE, in
+// the order of the input.
 typedef struct girih_place {
     uint32_t scene_triangle;
     uint32_t weights[3];
@@ -33,7 +33,7 @@ static inline bool girih_same_normal(const girih_arrays *arrays, uint32_t corner
 
 static inline girih_place girih_corner_place(uint32_t owner) {
     girih_place place = {.scene_triangle = owner / 3};
-    place.weights[owner % 3] = 32768;
+    place.weights[owner % 3] = GIRIH_SPLIT_ONE;
     return place;
 }
 
@@ -94,7 +94,7 @@ static inline girih_places girih_edge_places(const girih_arrays *arrays, uint32_
 static inline girih_places girih_find_places(const girih_arrays *arrays, uint32_t scene_triangle,
                                              const uint32_t weights[3]) {
     for (uint32_t n = 0; n < 3; ++n) {
-        if (weights[n] == 32768) {
+        if (weights[n] == GIRIH_SPLIT_ONE) {
             return girih_corner_places(arrays, 3 * scene_triangle + n);
         }
     }

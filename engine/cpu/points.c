@@ -82,7 +82,7 @@ static void read_batch(const girih_arrays *arrays, bool pn, uint32_t first, uint
     b->has_seams = false;
     for (uint32_t lane = 0; lane < LANES && first + lane < end; ++lane) {
         const girih_item item = girih_read_item(arrays, first + lane);
-        if (lane > 0 && item.group != b->items[0].group) {
+        if (lane > 0 && (item.group != b->items[0].group || item.is_part)) {
             return;
         }
         b->items[lane] = item;
@@ -100,6 +100,10 @@ static void read_batch(const girih_arrays *arrays, bool pn, uint32_t first, uint
                              GIRIH_EDGE_SEAM) != 0;
         }
         b->count = lane + 1;
+        // A part's vertices have weights of their own, so it stands alone.
+        if (item.is_part) {
+            return;
+        }
     }
 }
 
@@ -205,14 +209,13 @@ typedef struct writer {
 } writer;
 
 static void write_vertex(const writer *w, const batch *b, uint32_t lane, uint32_t number,
-                         uint32_t word, const float position[3], const float normal[3]) {
+                         girih_vector weights, const float position[3], const float normal[3]) {
     const size_t vertex =
         w->welded ? girih_weld_vertex(&w->weld[lane], number) : w->first[lane] + number;
     memcpy(w->positions + 3 * vertex, position, 3 * sizeof *position);
     float *attributes = w->attributes + w->stride * vertex;
     memcpy(attributes, normal, 3 * sizeof *normal);
     if (w->arrays->frame.attribute_floats > 0) {
-        const girih_vector weights = barycentric(word);
         const float values[3] = {weights.x, weights.y, weights.z};
         girih_write_attributes(w->arrays, b->vertices[lane], values, attributes + 3);
     }
@@ -237,7 +240,7 @@ static inline void write_small(const writer *w, const batch *b, bool pn, const u
     for (uint32_t n = 0; n < count; ++n) {
         evaluate_items(b, pn, words[n], positions, normals);
         for (uint32_t lane = 0; lane < b->count; ++lane) {
-            write_vertex(w, b, lane, n, words[n], positions[lane], normals[lane]);
+            write_vertex(w, b, lane, n, barycentric(words[n]), positions[lane], normals[lane]);
         }
     }
 }
@@ -259,8 +262,25 @@ static inline void write_chunks(const writer *w, const batch *b, uint32_t lane, 
             continue;
         }
         for (uint32_t n = 0; n < left; ++n) {
-            write_vertex(w, b, lane, first + n, padded[n], positions[n], normals[n]);
+            write_vertex(w, b, lane, first + n, barycentric(padded[n]), positions[n], normals[n]);
         }
+    }
+}
+
+static void write_part(const writer *w, const batch *b, bool pn, const uint32_t *words,
+                       uint32_t count) {
+    const girih_patch patch = get_patch(b, 0, pn);
+    const girih_part part = girih_item_part(w->arrays, &b->items[0]);
+    for (uint32_t n = 0; n < count; ++n) {
+        uint32_t weights[3];
+        girih_item_weights(&b->items[0], &part, words[n], weights);
+        const float scale = 1.0f / (float)GIRIH_SPLIT_ONE;
+        const girih_vector values = {(float)weights[0] * scale, (float)weights[1] * scale,
+                                     (float)weights[2] * scale};
+        float position[3];
+        float normal[3];
+        evaluate(&patch, values, position, normal);
+        write_vertex(w, b, 0, n, values, position, normal);
     }
 }
 
@@ -281,6 +301,10 @@ static inline void write_points(girih_arrays *arrays, bool pn) {
         const uint32_t *words = arrays->words[GIRIH_BIND_PATTERN_VERTICES] +
                                 girih_group_word(arrays, group, GIRIH_GROUP_PATTERN_VERTEX);
         begin_batch(&w, &b, count);
+        if (b.items[0].is_part) {
+            write_part(&w, &b, pn, words, count);
+            continue;
+        }
         if (count <= SMALL_PATTERN && 2 * b.count > LANES) {
             write_small(&w, &b, pn, words, count);
             continue;

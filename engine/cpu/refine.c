@@ -17,6 +17,9 @@
 // Counts that index lists and signed offsets of other programs can still hold.
 #define MAX_OUTPUT (UINT64_C(1) << 31)
 
+// Room for parts that is tried first.
+#define FIRST_SPLITS 4096u
+
 // The surface whose control points bound what is refined.
 static girih_surface base_surface(const girih_cpu_desc *desc) {
     return desc->surface == GIRIH_SURFACE_OWN ? desc->base : desc->surface;
@@ -88,6 +91,68 @@ static void limit_culling(girih_frame_block *frame, const girih_cpu_desc *desc) 
     frame->cull &= GIRIH_CULL_FRUSTUM;
 }
 
+// Memory of what the stages up to dispatch write. The sort's counters and spare items, and the
+// draws, are the GPU's alone.
+static girih_result allocate_work(girih_arrays *arrays, girih_error *error) {
+    static const uint32_t written[] = {GIRIH_BIND_LEVELS, GIRIH_BIND_SPLITS, GIRIH_BIND_KEYS,
+                                       GIRIH_BIND_ITEMS,  GIRIH_BIND_GROUPS, GIRIH_BIND_STATUS,
+                                       GIRIH_BIND_WELD_OFFSETS};
+    for (size_t n = 0; n < sizeof written / sizeof *written; ++n) {
+        const uint64_t count = arrays->count[written[n]];
+        arrays->words[written[n]] =
+            count <= SIZE_MAX ? girih_allocate_array((size_t)count, sizeof(uint32_t)) : NULL;
+        if (!arrays->words[written[n]]) {
+            return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY,
+                              "refine: no memory for %" PRIu64 " words of work", count);
+        }
+    }
+    return GIRIH_OK;
+}
+
+// Levels and select, with room for *splits parts; where that is too little, once more with more.
+static girih_result choose_patterns(girih_arrays *arrays, const girih_cpu_desc *desc,
+                                    const girih_frame *frame, const girih_scene_table *table,
+                                    girih_cpu_times *times, girih_error *error) {
+    girih_plan_shape shape = {
+        .mode = desc->mode == GIRIH_MODE_WELDED ? GIRIH_MODE_WELDED : GIRIH_MODE_BAKED,
+        .outputs = desc->outputs | GIRIH_OUTPUT_NO_DRAW,
+        .max_vertices = desc->max_vertices != 0 ? desc->max_vertices : UINT32_MAX,
+        .max_triangles = desc->max_triangles != 0 ? desc->max_triangles : UINT32_MAX,
+        .max_segments = desc->max_segments,
+        .max_splits = desc->max_segments > 0 ? FIRST_SPLITS : 0,
+    };
+    for (;;) {
+        girih_result result = girih_pack_plan(arrays, &shape, table, desc->instances,
+                                              desc->instance_count, error);
+        if (result == GIRIH_OK) {
+            result = girih_pack_frame(arrays, frame, error);
+        }
+        if (result == GIRIH_OK && desc->surface == GIRIH_SURFACE_OWN) {
+            limit_culling(&arrays->frame, desc);
+        }
+        if (result == GIRIH_OK) {
+            result = allocate_work(arrays, error);
+        }
+        if (result != GIRIH_OK) {
+            return result;
+        }
+        double begin = milliseconds();
+        girih_twin_levels(arrays);
+        times->levels = lap(&begin);
+        girih_twin_select(arrays, base_surface(desc));
+        girih_twin_split(arrays);
+        times->select = lap(&begin);
+        const uint32_t *status = arrays->words[GIRIH_BIND_STATUS];
+        if ((status[GIRIH_STATUS_FLAGS] & GIRIH_STATUS_SPLIT_OVERFLOW) == 0) {
+            return GIRIH_OK;
+        }
+        // A further pass may need more than what is known by now.
+        const uint32_t needed = status[GIRIH_STATUS_NEEDED_SPLITS];
+        shape.max_splits = needed < UINT32_MAX / 2 ? 2 * needed : UINT32_MAX;
+        girih_arrays_free(arrays, GIRIH_BIND_INSTANCES, GIRIH_BIND_OUT_POSITIONS);
+    }
+}
+
 // Everything up to the counts of the output.
 static girih_result count_output(girih_arrays *arrays, const girih_cpu_desc *desc,
                                  const girih_frame *frame, girih_cpu_times *times,
@@ -101,45 +166,16 @@ static girih_result count_output(girih_arrays *arrays, const girih_cpu_desc *des
     if (result != GIRIH_OK) {
         return result;
     }
-    girih_plan_shape shape = {
-        .mode = desc->mode == GIRIH_MODE_WELDED ? GIRIH_MODE_WELDED : GIRIH_MODE_BAKED,
-        .outputs = desc->outputs | GIRIH_OUTPUT_NO_DRAW,
-        .max_vertices = desc->max_vertices != 0 ? desc->max_vertices : UINT32_MAX,
-        .max_triangles = desc->max_triangles != 0 ? desc->max_triangles : UINT32_MAX,
-    };
-    result = girih_pack_plan(arrays, &shape, &table, desc->instances, desc->instance_count, error);
+    result = choose_patterns(arrays, desc, frame, &table, times, error);
     girih_free(table.meshes);
-    if (result == GIRIH_OK) {
-        result = girih_pack_frame(arrays, frame, error);
-    }
-    if (result == GIRIH_OK && desc->surface == GIRIH_SURFACE_OWN) {
-        limit_culling(&arrays->frame, desc);
-    }
-    // The sort's counters and spare items, and the draws, are the GPU's alone.
-    static const uint32_t written[] = {GIRIH_BIND_LEVELS, GIRIH_BIND_KEYS,
-                                       GIRIH_BIND_ITEMS,  GIRIH_BIND_GROUPS,
-                                       GIRIH_BIND_STATUS, GIRIH_BIND_WELD_OFFSETS};
-    for (size_t n = 0; n < sizeof written / sizeof *written && result == GIRIH_OK; ++n) {
-        const uint64_t count = arrays->count[written[n]];
-        arrays->words[written[n]] =
-            count <= SIZE_MAX ? girih_allocate_array((size_t)count, sizeof(uint32_t)) : NULL;
-        if (!arrays->words[written[n]]) {
-            result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY,
-                                "refine: no memory for %" PRIu64 " words of work", count);
-        }
-    }
     if (result != GIRIH_OK) {
         return result;
     }
     double begin = milliseconds();
-    girih_twin_levels(arrays);
-    times->levels = lap(&begin);
-    girih_twin_select(arrays, base_surface(desc));
-    times->select = lap(&begin);
     result = girih_twin_group(arrays, error);
     times->group = lap(&begin);
     if (result == GIRIH_OK) {
-        if (shape.mode == GIRIH_MODE_WELDED) {
+        if (desc->mode == GIRIH_MODE_WELDED) {
             girih_twin_weld(arrays);
         }
         girih_twin_dispatch(arrays);

@@ -20,6 +20,15 @@ static inline uint32_t girih_range_rank(const girih_arrays *arrays, uint32_t ran
                       arrays->frame.pattern_count * GIRIH_PATTERN_WORDS + range);
 }
 
+// Index n of the patterns'.
+static inline uint32_t girih_pattern_index(const girih_arrays *arrays, uint32_t n) {
+    const uint32_t *indices = arrays->words[GIRIH_BIND_PATTERN_INDICES];
+    if (arrays->frame.index_bytes == 4) {
+        return indices[n];
+    }
+    return indices[n >> 1] >> (16 * (n & 1)) & 0xffff;
+}
+
 static inline uint32_t girih_instance_word(const girih_arrays *arrays, uint32_t instance,
                                            uint32_t field) {
     return girih_word(arrays, GIRIH_BIND_INSTANCES, instance * GIRIH_INSTANCE_WORDS + field);

@@ -1,8 +1,6 @@
 // Stage 2 on the CPU: base pattern, lambda and winding of every triangle, or culled. Twin of
 // glsl/select.glsl, which tells why its bounds hold.
-#include <stdbool.h>
-
-#include "girih_permutation.h"
+#include "key.h"
 #include "pn.h"
 
 // Control points in the order b300 b030 b003 b210 b120 b021 b012 b102 b201 b111.
@@ -165,12 +163,6 @@ static bool is_culled(const girih_arrays *arrays, uint32_t scene_triangle, uint3
            faces_away(frame, p, count, &t, mirrored);
 }
 
-static void swap(uint32_t *a, uint32_t *b) {
-    const uint32_t old = *a;
-    *a = *b;
-    *b = old;
-}
-
 void girih_twin_select(girih_arrays *arrays, girih_surface surface) {
     const girih_frame_block *frame = &arrays->frame;
     const uint32_t *levels = arrays->words[GIRIH_BIND_LEVELS];
@@ -190,40 +182,12 @@ void girih_twin_select(girih_arrays *arrays, girih_surface surface) {
             keys[triangle] = GIRIH_KEY_CULLED;
             continue;
         }
-        // Sort the levels and keep track of the swaps: ARKFPI, Figure 8.
-        uint32_t i = levels[(edges[0] & GIRIH_EDGE_MASK) + edge_delta];
-        uint32_t j = levels[(edges[1] & GIRIH_EDGE_MASK) + edge_delta];
-        uint32_t k = levels[(edges[2] & GIRIH_EDGE_MASK) + edge_delta];
-        uint32_t lambda = 0;
-        if (i < j) {
-            swap(&i, &j);
-            lambda += 1;
+        uint32_t triangle_levels[3];
+        for (uint32_t n = 0; n < 3; ++n) {
+            triangle_levels[n] = levels[(edges[n] & GIRIH_EDGE_MASK) + edge_delta];
         }
-        if (i < k) {
-            swap(&i, &k);
-            lambda += 2;
-        }
-        if (j < k) {
-            swap(&j, &k);
-            lambda += 4;
-        }
-        // An odd permutation turns the winding round, and so does a mirroring transform. Where two
-        // levels are equal, permutations of either parity serve, so the one that keeps the winding
-        // is taken; three distinct levels leave no choice and take the mirrored range.
         const bool mirrored = (girih_instance_word(arrays, instance, GIRIH_INSTANCE_FLAGS) &
                                GIRIH_INSTANCE_MIRRORED) != 0;
-        uint32_t range = 0;
-        if (i == j || j == k) {
-            lambda = GIRIH_LAMBDA_EVEN(lambda);
-            if (mirrored) {
-                lambda = i == j ? GIRIH_LAMBDA_ODD_IJ(lambda) : GIRIH_LAMBDA_ODD_JK(lambda);
-            }
-        } else if (((GIRIH_LAMBDA_IS_ODD(lambda)) != 0) != mirrored) {
-            range = 1;
-        }
-        const uint32_t rank = i * (i + 1) * (i + 2) / 6 + j * (j + 1) / 2 + k;
-        range += girih_pattern(arrays, rank, GIRIH_PATTERN_RANGE);
-        const uint32_t group = (material & GIRIH_MATERIAL_MASK) * frame->range_count + range;
-        keys[triangle] = group << 3 | lambda;
+        keys[triangle] = girih_key(arrays, triangle_levels, material, mirrored);
     }
 }
