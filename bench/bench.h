@@ -76,6 +76,13 @@ girih_result bench_job_create(bench_target *target, girih_device *device,
                               const bench_job_desc *desc, bench_case_job *job, girih_error *error);
 void bench_job_destroy(bench_case_job *job);
 
+// One mesh for a catalogue, uploaded with it: for jobs, and for methods with another catalogue than
+// their job's. *context and *scene are the caller's even after a failure, NULL where they were not
+// made.
+girih_result bench_scene_create(girih_device *device, const girih_catalogue *catalogue,
+                                const girih_mesh *mesh, girih_context **context,
+                                girih_scene **scene, girih_error *error);
+
 // Levels at random, up to catalogue level `*(const uint32_t *)user`, of a unit sphere seen whole.
 void bench_random_frame(const void *user, uint32_t n, girih_frame *frame, bench_view *view);
 

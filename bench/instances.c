@@ -100,7 +100,7 @@ static girih_result make_plan(const bench_job *job, girih_mode mode, many *m, gi
                                   .mode = mode,
                                   .max_vertices = 6 * job->triangle_count,
                                   .max_triangles = 4 * job->triangle_count};
-    const girih_result result = bench_girih_create(job, &desc, &m->own, error);
+    const girih_result result = bench_girih_create(job, job->context, &desc, &m->own, error);
     free(instances);
     return result;
 }

@@ -78,11 +78,20 @@ static girih_result upload_mesh(girih_device *device, bench_job *job, girih_erro
     return result;
 }
 
-static girih_result upload_scene(girih_device *device, const bench_job *job, girih_error *error) {
-    girih_result result = girih_device_begin(device, error);
+girih_result bench_scene_create(girih_device *device, const girih_catalogue *catalogue,
+                                const girih_mesh *mesh, girih_context **context,
+                                girih_scene **scene, girih_error *error) {
+    girih_result result = girih_device_context(device, catalogue, context, error);
     if (result == GIRIH_OK) {
-        girih_cmd_upload_context(job->context, device->commands);
-        girih_cmd_upload_scene(job->scene, device->commands);
+        const girih_scene_desc desc = {.meshes = &mesh, .mesh_count = 1};
+        result = girih_scene_create(*context, &desc, scene, error);
+    }
+    if (result == GIRIH_OK) {
+        result = girih_device_begin(device, error);
+    }
+    if (result == GIRIH_OK) {
+        girih_cmd_upload_context(*context, device->commands);
+        girih_cmd_upload_scene(*scene, device->commands);
         result = girih_device_finish(device, error);
     }
     return result;
@@ -147,17 +156,11 @@ girih_result bench_job_create(bench_target *target, girih_device *device,
                                   .index_count = 3 * desc->mesh->triangle_count};
     girih_result result = girih_mesh_create(&mesh, &job->job.mesh, error);
     if (result == GIRIH_OK) {
-        result = girih_device_context(device, desc->catalogue, &job->job.context, error);
-    }
-    if (result == GIRIH_OK) {
-        const girih_scene_desc scene = {.meshes = &job->job.mesh, .mesh_count = 1};
-        result = girih_scene_create(job->job.context, &scene, &job->job.scene, error);
+        result = bench_scene_create(device, desc->catalogue, job->job.mesh, &job->job.context,
+                                    &job->job.scene, error);
     }
     if (result == GIRIH_OK) {
         result = upload_mesh(device, &job->job, error);
-    }
-    if (result == GIRIH_OK) {
-        result = upload_scene(device, &job->job, error);
     }
     if (result == GIRIH_OK) {
         result = count_frames(job, error);

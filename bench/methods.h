@@ -28,13 +28,14 @@ extern const bench_method bench_girih; // the mode that it chooses
 extern const bench_method bench_girih_baked;
 extern const bench_method bench_girih_welded;
 extern const bench_method bench_girih_instanced;
+extern const bench_method bench_girih_built_in;  // with another catalogue than the job's
 extern const bench_method bench_girih_unchanged; // refined once, drawn again each frame
 extern const bench_method bench_girih_displaced; // baked, with waves on the base surface
 
 // Their functions, for methods of girih's with a scene of their own: the state of a plan that
-// `plan` describes, with pipelines for its mode and surface.
-girih_result bench_girih_create(const bench_job *job, const girih_plan_desc *plan, void **state,
-                                girih_error *error);
+// `plan` describes, in the scene's context, with pipelines for its mode and surface.
+girih_result bench_girih_create(const bench_job *job, const girih_context *context,
+                                const girih_plan_desc *plan, void **state, girih_error *error);
 void bench_girih_destroy(void *state);
 girih_result bench_girih_prepare(void *state, VkCommandBuffer commands, girih_error *error);
 void bench_girih_draw(void *state, VkCommandBuffer commands, bench_raster raster);

@@ -15,6 +15,7 @@ static const struct {
 static const bench_method *const methods[] = {&bench_static,          &bench_girih,
                                               &bench_girih_unchanged, &bench_girih_baked,
                                               &bench_girih_welded,    &bench_girih_instanced,
+                                              &bench_girih_built_in,
                                               &bench_hardware,        &bench_hardware_fractional};
 
 static girih_result run_case(const bench_run *run, bench_target *target, size_t n,

@@ -42,7 +42,7 @@ static girih_result create(const bench_job *job, int variant, void **state, giri
                                       .mode = GIRIH_MODE_BAKED,
                                       .max_vertices = 4 * job->room_triangles,
                                       .max_triangles = job->room_triangles};
-        result = bench_girih_create(job, &plan, &d->own, error);
+        result = bench_girih_create(job, job->context, &plan, &d->own, error);
     }
     if (result != GIRIH_OK) {
         destroy(d);

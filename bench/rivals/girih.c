@@ -36,14 +36,14 @@ void bench_girih_destroy(void *state) {
     free(s);
 }
 
-girih_result bench_girih_create(const bench_job *job, const girih_plan_desc *plan, void **state,
-                                girih_error *error) {
+girih_result bench_girih_create(const bench_job *job, const girih_context *context,
+                                const girih_plan_desc *plan, void **state, girih_error *error) {
     own *s = calloc(1, sizeof *s);
     if (!s) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
     s->job = job;
-    girih_result result = girih_plan_create(job->context, plan, &s->plan, error);
+    girih_result result = girih_plan_create(context, plan, &s->plan, error);
     if (result == GIRIH_OK) {
         result = bench_layout_create(job->target, NULL, 0, 0, &s->layout, error);
     }
@@ -94,7 +94,7 @@ static girih_result create(const bench_job *job, int variant, void **state, giri
         desc.mode = girih_choose_mode(job->context, &desc, job->room_triangles);
     }
     void *made = NULL;
-    girih_result result = bench_girih_create(job, &desc, &made, error);
+    girih_result result = bench_girih_create(job, job->context, &desc, &made, error);
     if (result == GIRIH_OK && variant == UNCHANGED) {
         result = refine_once(made, error);
     }
