@@ -38,8 +38,9 @@ girih_result bench_ellipsoid(uint32_t slices, uint32_t stacks, const float radii
 girih_result bench_torus(uint32_t slices, uint32_t sides, float radius, float thickness,
                          bench_mesh *mesh, girih_error *error);
 
-// Dyadic levels 0..6 and linear 1..16 of the family `uniform`, whatever the built-in catalogues are: its numbers of
-// triangles are known by formula, so that what a case asks of all methods stays as it is.
+// Dyadic levels 0..6 and linear 1..16 of the family `uniform`, whatever the built-in catalogues
+// are: its numbers of triangles are known by formula, so that what a case asks of all methods stays
+// as it is.
 const girih_catalogue *bench_uniform_dyadic(void);
 const girih_catalogue *bench_uniform_linear(void);
 
@@ -70,11 +71,16 @@ typedef struct bench_case_job {
     bench_job job;
     bench_job_desc desc;
     girih_statistics reference; // of frame 1
+    double mean_triangles;      // of all frames; vertices as baked
+    double mean_vertices;
 } bench_case_job;
 
 girih_result bench_job_create(bench_target *target, girih_device *device,
                               const bench_job_desc *desc, bench_case_job *job, girih_error *error);
 void bench_job_destroy(bench_case_job *job);
+
+// What a job's frames put out, once more: after what its `user` points to has changed.
+girih_result bench_count_frames(bench_case_job *job, girih_error *error);
 
 // One mesh for a catalogue, uploaded with it: for jobs, and for methods with another catalogue than
 // their job's. *context and *scene are the caller's even after a failure, NULL where they were not
@@ -108,8 +114,9 @@ girih_result bench_measure(const bench_run *run, bench_case_job *job,
                            const bench_method *const *methods, uint32_t method_count,
                            json_t *figures, girih_error *error);
 
-// The second method of a pair against the first, geometry and shaded, nothing else; or {"unfit"}.
-girih_result bench_measure_pair(const bench_run *run, bench_case_job *job,
+// The second method of a pair, on the second job, against the first, on the first job, which may be
+// the same one: geometry and shaded, nothing else; or {"unfit"}.
+girih_result bench_measure_pair(const bench_run *run, bench_case_job *const jobs[2],
                                 const bench_method *const pair[2], json_t *object,
                                 girih_error *error);
 
@@ -128,6 +135,7 @@ girih_result bench_run_job(const bench_run *run, bench_target *target, const ben
 
 // The cases: each appends one or more objects to run->cases.
 girih_result bench_spheres(const bench_run *run, girih_error *error);
+girih_result bench_families(const bench_run *run, girih_error *error);
 girih_result bench_bake(const bench_run *run, girih_error *error);
 girih_result bench_conditions(const bench_run *run, girih_error *error);
 girih_result bench_knuth_case(const bench_run *run, girih_error *error);

@@ -97,8 +97,8 @@ girih_result bench_scene_create(girih_device *device, const girih_catalogue *cat
     return result;
 }
 
-// What a frame puts out, without putting it out: a plan with room for level 0 alone.
-static girih_result count_frames(bench_case_job *job, girih_error *error) {
+// Without putting it out: a plan with room for level 0 alone.
+girih_result bench_count_frames(bench_case_job *job, girih_error *error) {
     const girih_instance instance = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
     const girih_plan_desc desc = {.scene = job->job.scene,
                                   .instances = &instance,
@@ -107,6 +107,9 @@ static girih_result count_frames(bench_case_job *job, girih_error *error) {
                                   .mode = GIRIH_MODE_BAKED};
     girih_device *device = job->job.device;
     girih_plan *plan = NULL;
+    double triangles = 0.0;
+    double vertices = 0.0;
+    job->job.room_triangles = 0;
     girih_result result = girih_plan_create(job->job.context, &desc, &plan, error);
     for (uint32_t n = 0; n < job->desc.frame_count && result == GIRIH_OK; ++n) {
         girih_frame frame = {0};
@@ -120,6 +123,8 @@ static girih_result count_frames(bench_case_job *job, girih_error *error) {
             result = girih_device_finish(device, error);
         }
         const girih_statistics statistics = girih_plan_statistics(plan);
+        triangles += (double)statistics.needed_triangles;
+        vertices += (double)statistics.needed_vertices;
         if (statistics.needed_triangles > job->job.room_triangles) {
             job->job.room_triangles = (uint32_t)statistics.needed_triangles;
         }
@@ -128,6 +133,8 @@ static girih_result count_frames(bench_case_job *job, girih_error *error) {
             job->job.reference = frame;
         }
     }
+    job->mean_triangles = triangles / job->desc.frame_count;
+    job->mean_vertices = vertices / job->desc.frame_count;
     girih_plan_destroy(plan);
     return result;
 }
@@ -163,7 +170,7 @@ girih_result bench_job_create(bench_target *target, girih_device *device,
         result = upload_mesh(device, &job->job, error);
     }
     if (result == GIRIH_OK) {
-        result = count_frames(job, error);
+        result = bench_count_frames(job, error);
     }
     if (result != GIRIH_OK) {
         bench_job_destroy(job);

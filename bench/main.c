@@ -26,6 +26,7 @@ static const struct bench_case {
     girih_result (*run)(const bench_run *run, girih_error *error);
 } cases[] = {
     {"spheres", "Curved PN spheres with random levels, against the static mesh", bench_spheres},
+    {"families", "built-in patterns against `uniform`, as many triangles", bench_families},
     {"errors", "triangles against distance, normal and picture errors", bench_errors},
     {"instances", "a thousand instances of a hundred meshes, against one mesh", bench_instances},
     {"cities", "DMR's flight through a city in a cylindrical projection", bench_cities},
@@ -170,11 +171,13 @@ static void print_table(const json_t *report) {
     const json_t *item;
     printf("%s\n", json_string_value(json_object_get(report, "device")));
     json_array_foreach(json_object_get(report, "cases"), n, item) {
+        const char *ratio_to = json_string_value(json_object_get(item, "ratio_to"));
         printf("\n%s: %" JSON_INTEGER_FORMAT " triangles in, %" JSON_INTEGER_FORMAT
-               " out; ratio to the first method (95 %% interval)\n",
+               " out; ratio to %s (95 %% interval)\n",
                json_string_value(json_object_get(item, "name")),
                json_integer_value(json_object_get(item, "input_triangles")),
-               json_integer_value(json_object_get(item, "output_triangles")));
+               json_integer_value(json_object_get(item, "output_triangles")),
+               ratio_to ? ratio_to : "the first method");
         const char *name;
         json_t *figures;
         json_object_foreach(json_object_get(item, "methods"), name, figures) {

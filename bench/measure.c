@@ -98,19 +98,22 @@ static void write_sample(const bench_run *run, const char *name, const bench_met
     }
 }
 
-static girih_result measure_raster(const bench_run *run, bench_case_job *job,
+// Two methods on one job, or one on each of two.
+static girih_result measure_raster(const bench_run *run, bench_case_job *const jobs[2],
                                    const bench_method *const methods[2], void *const states[2],
                                    bench_raster raster, samples *s, girih_error *error) {
     bench_time warm_up[2] = {{0}}; // of the last pair
     girih_result result = GIRIH_OK;
     for (uint32_t n = 0; n < WARM_UP_FRAMES && result == GIRIH_OK; ++n) {
-        result = bench_frame(job, methods[n % 2], states[n % 2], raster, n, &warm_up[n % 2], error);
+        const uint32_t which = n % 2;
+        result = bench_frame(jobs[which], methods[which], states[which], raster, n, &warm_up[which],
+                             error);
     }
     s->pairs = run->pairs;
+    const double most_seconds = jobs[1]->desc.most_seconds;
     const double seconds = (warm_up[0].wall + warm_up[1].wall) * 1e-3;
-    if (job->desc.most_seconds > 0.0 && s->pairs > LEAST_PAIRS &&
-        s->pairs * seconds > job->desc.most_seconds) {
-        const uint32_t affordable = (uint32_t)(job->desc.most_seconds / seconds);
+    if (most_seconds > 0.0 && s->pairs > LEAST_PAIRS && s->pairs * seconds > most_seconds) {
+        const uint32_t affordable = (uint32_t)(most_seconds / seconds);
         s->pairs = affordable > LEAST_PAIRS ? affordable : LEAST_PAIRS;
     }
     for (uint32_t n = 0; n < s->pairs && result == GIRIH_OK; ++n) {
@@ -118,10 +121,11 @@ static girih_result measure_raster(const bench_run *run, bench_case_job *job,
         for (uint32_t turn = 0; turn < 2 && result == GIRIH_OK; ++turn) {
             const uint32_t which = (n + turn) % 2;
             bench_time *time = which ? &s->own[n] : &s->base[n];
-            result = bench_frame(job, methods[which], states[which], raster, n, time, error);
+            result =
+                bench_frame(jobs[which], methods[which], states[which], raster, n, time, error);
         }
         if (result == GIRIH_OK) {
-            write_sample(run, job->job.name, methods, raster_names[raster], n, &s->own[n],
+            write_sample(run, jobs[1]->job.name, methods, raster_names[raster], n, &s->own[n],
                          &s->base[n]);
         }
     }
@@ -244,7 +248,7 @@ static girih_result agree(bench_case_job *job, const bench_method *method, void 
 
 // --- All methods --------------------------------------------------------------------------------
 
-static girih_result measure_rasters(const bench_run *run, bench_case_job *job,
+static girih_result measure_rasters(const bench_run *run, bench_case_job *const jobs[2],
                                     const bench_method *const pair[2], void *const states[2],
                                     json_t *object, girih_error *error) {
     samples *s = malloc(sizeof *s);
@@ -252,13 +256,13 @@ static girih_result measure_rasters(const bench_run *run, bench_case_job *job,
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
     girih_result result = GIRIH_OK;
-    const uint32_t rasters = job->desc.geometry_only ? 1 : 2;
+    const uint32_t rasters = jobs[1]->desc.geometry_only ? 1 : 2;
     for (uint32_t raster = 0; raster < rasters && result == GIRIH_OK; ++raster) {
         char line[256];
-        snprintf(line, sizeof line, "%s: %s, %s", job->job.name, pair[1]->name,
+        snprintf(line, sizeof line, "%s: %s, %s", jobs[1]->job.name, pair[1]->name,
                  raster_names[raster]);
         girih_report_progress(line);
-        result = measure_raster(run, job, pair, states, raster, s, error);
+        result = measure_raster(run, jobs, pair, states, raster, s, error);
         if (result == GIRIH_OK) {
             json_object_set_new(object, raster_names[raster], figures_of(s));
         }
@@ -279,7 +283,8 @@ static girih_result measure_method(const bench_run *run, bench_case_job *job,
         result = write_picture(run, job, pair[1], states[1], error);
     }
     if (result == GIRIH_OK) {
-        result = measure_rasters(run, job, pair, states, object, error);
+        bench_case_job *const jobs[2] = {job, job};
+        result = measure_rasters(run, jobs, pair, states, object, error);
     }
     return result;
 }
@@ -323,23 +328,23 @@ girih_result bench_measure(const bench_run *run, bench_case_job *job,
     return result;
 }
 
-girih_result bench_measure_pair(const bench_run *run, bench_case_job *job,
+girih_result bench_measure_pair(const bench_run *run, bench_case_job *const jobs[2],
                                 const bench_method *const pair[2], json_t *object,
                                 girih_error *error) {
     void *states[2] = {NULL, NULL};
     girih_result result = GIRIH_OK;
     for (uint32_t n = 0; n < 2; ++n) {
-        const char *why = pair[n]->unfit ? pair[n]->unfit(&job->job) : NULL;
+        const char *why = pair[n]->unfit ? pair[n]->unfit(&jobs[n]->job) : NULL;
         if (why) {
             json_object_set_new(object, "unfit", json_string(why));
             return GIRIH_OK;
         }
     }
     for (uint32_t n = 0; n < 2 && result == GIRIH_OK; ++n) {
-        result = pair[n]->create(&job->job, pair[n]->variant, &states[n], error);
+        result = pair[n]->create(&jobs[n]->job, pair[n]->variant, &states[n], error);
     }
     if (result == GIRIH_OK) {
-        result = measure_rasters(run, job, pair, states, object, error);
+        result = measure_rasters(run, jobs, pair, states, object, error);
     }
     for (uint32_t n = 0; n < 2; ++n) {
         pair[n]->destroy(states[n]);

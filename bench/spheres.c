@@ -12,11 +12,10 @@ static const struct {
              {"spheres 20,480 to level 3", 5, 3},
              {"spheres 327,680 to level 1", 7, 1}};
 
-static const bench_method *const methods[] = {&bench_static,          &bench_girih,
-                                              &bench_girih_unchanged, &bench_girih_baked,
-                                              &bench_girih_welded,    &bench_girih_instanced,
-                                              &bench_girih_built_in,
-                                              &bench_hardware,        &bench_hardware_fractional};
+static const bench_method *const methods[] = {
+    &bench_static,         &bench_girih,        &bench_girih_unchanged,
+    &bench_girih_baked,    &bench_girih_welded, &bench_girih_instanced,
+    &bench_girih_built_in, &bench_hardware,     &bench_hardware_fractional};
 
 static girih_result run_case(const bench_run *run, bench_target *target, size_t n,
                              girih_error *error) {
@@ -40,7 +39,8 @@ static girih_result run_case(const bench_run *run, bench_target *target, size_t 
     }
     if (result == GIRIH_OK) {
         static const bench_method *const pair[2] = {&bench_girih, &bench_hardware};
-        result = bench_measure_pair(run, &job, pair, against, error);
+        bench_case_job *const jobs[2] = {&job, &job};
+        result = bench_measure_pair(run, jobs, pair, against, error);
     }
     if (result == GIRIH_OK) {
         result = bench_add_case(run, &job, figures, error);
