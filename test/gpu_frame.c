@@ -7,6 +7,8 @@
 #include "capture_buffers.spv.h"
 #include "capture_instanced_flat.spv.h"
 #include "capture_instanced_pn.spv.h"
+#include "capture_split_flat.spv.h"
+#include "capture_split_pn.spv.h"
 
 girih_context *gpu_variant_context(gpu *host, gpu_variant variant) {
     const girih_context_desc desc = {.catalogue = variant.linear ? girih_catalogue_linear()
@@ -143,13 +145,14 @@ gpu_capture gpu_capture_open(gpu *host, const girih_context *context) {
 }
 
 // Which of a capture's pipelines draws a plan.
-enum { FROM_BUFFERS = 2, OWN, OWN_PREVIOUS, PIPELINES };
+enum { SPLITS = 2, FROM_BUFFERS = 4, OWN, OWN_PREVIOUS, PIPELINES };
 
 static int choose_pipeline(const gpu_capture *capture, const girih_plan *plan) {
-    return plan->mode != GIRIH_MODE_INSTANCED   ? FROM_BUFFERS
-           : plan->surface != GIRIH_SURFACE_OWN ? (int)plan->surface
-           : capture->previous                  ? OWN_PREVIOUS
-                                                : OWN;
+    return plan->mode != GIRIH_MODE_INSTANCED ? FROM_BUFFERS
+           : plan->surface != GIRIH_SURFACE_OWN
+               ? (int)plan->surface + (plan->arrays.frame.max_splits > 0 ? SPLITS : 0)
+           : capture->previous ? OWN_PREVIOUS
+                               : OWN;
 }
 
 static void forget_own(gpu_capture *capture) {
@@ -193,13 +196,18 @@ void gpu_capture_close(gpu_capture *capture) {
 static VkPipeline create_pipeline(const gpu_capture *capture, const girih_plan *plan, int which) {
     gpu *host = capture->gpu;
     const bool buffers = which == FROM_BUFFERS;
+    static const struct {
+        const uint32_t *words;
+        size_t bytes;
+    } instanced[FROM_BUFFERS] = {{capture_instanced_flat, sizeof capture_instanced_flat},
+                                 {capture_instanced_pn, sizeof capture_instanced_pn},
+                                 {capture_split_flat, sizeof capture_split_flat},
+                                 {capture_split_pn, sizeof capture_split_pn}};
     VkShaderModule module =
         buffers ? gpu_shader(host, capture_buffers, sizeof capture_buffers)
         : which >= OWN
             ? gpu_shader(host, capture->own.words[which - OWN], capture->own.bytes[which - OWN])
-        : plan->surface == GIRIH_SURFACE_PN
-            ? gpu_shader(host, capture_instanced_pn, sizeof capture_instanced_pn)
-            : gpu_shader(host, capture_instanced_flat, sizeof capture_instanced_flat);
+            : gpu_shader(host, instanced[which].words, instanced[which].bytes);
     VkPipelineVertexInputStateCreateInfo input = *girih_plan_vertex_input(plan);
     VkVertexInputAttributeDescription attributes[16];
     memcpy(attributes, input.pVertexAttributeDescriptions,

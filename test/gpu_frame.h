@@ -49,7 +49,8 @@ typedef struct gpu_capture {
     VkRenderPass pass;
     VkFramebuffer framebuffer;
     VkPipelineLayout layout;
-    VkPipeline pipelines[5]; // instanced flat, instanced PN, from buffers; instanced own, previous
+    VkPipeline pipelines[7]; // instanced flat, instanced PN, the same where triangles may be split,
+                             // from buffers; instanced own, previous
     gpu_own_shader own;      // gpu_capture_own
     VkPipelineLayout own_layout;
     bool previous;      // own surfaces: the positions captured are the previous frame's

@@ -25,7 +25,7 @@ static uint64_t words_compared;
 static uint64_t triangles_compared;
 static uint64_t parts_compared;
 static uint32_t small_frames; // of plans that do stages 1 to 4 in one dispatch
-static char what[256]; // the case at hand, for messages
+static char what[256];        // the case at hand, for messages
 
 typedef struct placement {
     const char *name;
@@ -201,10 +201,9 @@ static stages pack(const girih_catalogue *catalogue, const placement *placed) {
     memset(&packed, 0, sizeof packed);
     girih_error error = {GIRIH_OK, ""};
     assert_ok(girih_pack_catalogue(&packed.arrays, catalogue, &error), &error);
-    assert_ok(
-        girih_pack_scene(&packed.arrays, &packed.table, placed->meshes, placed->mesh_count, 0,
-                         &error),
-        &error);
+    assert_ok(girih_pack_scene(&packed.arrays, &packed.table, placed->meshes, placed->mesh_count, 0,
+                               &error),
+              &error);
     return packed;
 }
 
@@ -266,13 +265,12 @@ static void check_frame(const setting *on, girih_plan *plan, const girih_frame *
 // Runs one frame on both sides, with room for a part of what it needs, in per cent.
 static void run_frame(const setting *on, girih_surface surface, girih_mode mode, uint32_t outputs,
                       const girih_frame *frame, uint32_t room) {
-    stages counted = begin_frame(
-        &on->packed, &on->placed,
-        (girih_plan_shape){.mode = mode,
-                           .max_vertices = UINT32_MAX,
-                           .max_triangles = UINT32_MAX,
-                           .max_segments = on->max_segments,
-                           .max_splits = on->max_splits});
+    stages counted = begin_frame(&on->packed, &on->placed,
+                                 (girih_plan_shape){.mode = mode,
+                                                    .max_vertices = UINT32_MAX,
+                                                    .max_triangles = UINT32_MAX,
+                                                    .max_segments = on->max_segments,
+                                                    .max_splits = on->max_splits});
     stages_frame(&counted, frame);
     stages_count(&counted, surface);
     const girih_statistics needed = stages_statistics(&counted);
@@ -284,8 +282,7 @@ static void run_frame(const setting *on, girih_surface surface, girih_mode mode,
                                   .mode = mode,
                                   .outputs = outputs,
                                   .max_vertices = (uint32_t)(needed.needed_vertices * room / 100),
-                                  .max_triangles =
-                                      (uint32_t)(needed.needed_triangles * room / 100),
+                                  .max_triangles = (uint32_t)(needed.needed_triangles * room / 100),
                                   .max_segments = on->max_segments,
                                   .max_splits = on->max_splits};
     girih_plan *plan;
@@ -477,7 +474,8 @@ static void linear_serial_few(void **state) {
     run_variant((gpu_variant){.linear = 1, .sort = GIRIH_SORT_SERIAL, .few_buffers = 1}, 4);
 }
 
-// --- Beyond the catalogue -------------------------------------------------------------------------
+// --- Beyond the catalogue
+// -------------------------------------------------------------------------
 
 static const girih_frame long_edges[] = {
     {.rule = GIRIH_LEVEL_SEGMENTS, .segments = 90},
@@ -496,9 +494,16 @@ static void run_splits(gpu_variant variant) {
     const girih_catalogue *catalogue =
         variant.linear ? girih_catalogue_linear() : girih_catalogue_dyadic();
     // One mesh as it is, and in instances that mirror.
-    const placement placements[2] = {
-        {.name = "cube", .mesh_count = 1, .meshes = meshes + 2, .instances = &once, .instance_count = 1},
-        {.name = "crowd", .mesh_count = MESHES, .meshes = meshes, .instances = crowd, .instance_count = 4}};
+    const placement placements[2] = {{.name = "cube",
+                                      .mesh_count = 1,
+                                      .meshes = meshes + 2,
+                                      .instances = &once,
+                                      .instance_count = 1},
+                                     {.name = "crowd",
+                                      .mesh_count = MESHES,
+                                      .meshes = meshes,
+                                      .instances = crowd,
+                                      .instance_count = 4}};
     const uint64_t before = parts_compared;
     for (uint32_t which = 0; which < 2; ++which) {
         setting on = begin_setting(context, catalogue, placements[which]);
@@ -650,8 +655,7 @@ static void sort_keys(girih_plan *plan, key_kind kind) {
         gpu_read(&device, work->buffer, plan->offset[GIRIH_BIND_ITEMS], item_words * 4);
     assert_words("items", words, twin.words[GIRIH_BIND_ITEMS], item_words);
     free(words);
-    words =
-        gpu_read(&device, work->buffer, plan->offset[GIRIH_BIND_GROUPS], group_words * 4);
+    words = gpu_read(&device, work->buffer, plan->offset[GIRIH_BIND_GROUPS], group_words * 4);
     assert_words("groups", words, twin.words[GIRIH_BIND_GROUPS], group_words);
     free(words);
     words = gpu_read(&device, work->buffer, plan->offset[GIRIH_BIND_STATUS], 4);
@@ -780,11 +784,11 @@ int main(void) {
     meshes[8] = make_soup(67, 0, 6);
     place_crowd();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(dyadic_serial),     cmocka_unit_test(linear_workgroup_few),
-        cmocka_unit_test(linear_serial),     cmocka_unit_test(dyadic_workgroup_few),
-        cmocka_unit_test(dyadic_workgroup),  cmocka_unit_test(linear_serial_few),
-        cmocka_unit_test(group_serial),      cmocka_unit_test(group_workgroup),
-        cmocka_unit_test(group_few_buffers), cmocka_unit_test(many_groups),
+        cmocka_unit_test(dyadic_serial),        cmocka_unit_test(linear_workgroup_few),
+        cmocka_unit_test(linear_serial),        cmocka_unit_test(dyadic_workgroup_few),
+        cmocka_unit_test(dyadic_workgroup),     cmocka_unit_test(linear_serial_few),
+        cmocka_unit_test(group_serial),         cmocka_unit_test(group_workgroup),
+        cmocka_unit_test(group_few_buffers),    cmocka_unit_test(many_groups),
         cmocka_unit_test(splits_dyadic_serial), cmocka_unit_test(splits_linear_workgroup_few),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -17,6 +17,8 @@
 #define MESHES 3
 #define TRANSFORMS 3
 #define MAX_SEGMENTS 16
+#define MAX_SPLITS 200000u
+#define MAX_SPLIT_TRIANGLES 1000000u
 
 static const girih_mesh *meshes[MESHES];
 static gpu device;   // with every feature that girih asks for
@@ -199,8 +201,13 @@ typedef struct refiner {
     uint32_t room;
 } refiner;
 
+// Room for so much. With room for parts triangles are split, and not welded.
+typedef struct room {
+    uint32_t triangles, vertices, splits;
+} room;
+
 static refiner begin_refiner(gpu_capture *capture, girih_scene *scene, solid body,
-                             girih_surface surface, uint32_t segments) {
+                             girih_surface surface, room wanted) {
     static const struct {
         girih_mode mode;
         uint32_t outputs;
@@ -208,12 +215,12 @@ static refiner begin_refiner(gpu_capture *capture, girih_scene *scene, solid bod
                       {GIRIH_MODE_BAKED, 0},
                       {GIRIH_MODE_BAKED, GIRIH_OUTPUT_INDICES},
                       {GIRIH_MODE_WELDED, GIRIH_OUTPUT_CLOSED_INDICES | GIRIH_OUTPUT_SOURCES}};
-    refiner r = {
-        .capture = capture, .body = body, .room = body.mesh->triangle_count * segments * segments};
+    refiner r = {.capture = capture, .body = body, .room = wanted.triangles};
     girih_instance instance = {0};
     memcpy(instance.transform, body.transform, sizeof instance.transform);
     for (int n = 0; n < PLANS; ++n) {
-        if (n == INSTANCED && !capture->gpu->features.multiDrawIndirect) {
+        if ((n == INSTANCED && !capture->gpu->features.multiDrawIndirect) ||
+            (n == WELDED && wanted.splits > 0)) {
             continue;
         }
         const girih_plan_desc desc = {.scene = scene,
@@ -222,9 +229,10 @@ static refiner begin_refiner(gpu_capture *capture, girih_scene *scene, solid bod
                                       .surface = surface,
                                       .mode = kinds[n].mode,
                                       .outputs = kinds[n].outputs,
-                                      .max_vertices = body.mesh->triangle_count * (segments + 1) *
-                                                      (segments + 2) / 2,
-                                      .max_triangles = r.room};
+                                      .max_vertices = wanted.vertices,
+                                      .max_triangles = wanted.triangles,
+                                      .max_segments = GIRIH_MOST_SEGMENTS,
+                                      .max_splits = wanted.splits};
         girih_error error = {GIRIH_OK, ""};
         assert_ok(girih_plan_create(capture->context, &desc, &r.plans[n], &error), &error);
     }
@@ -288,12 +296,15 @@ static void check_variant(gpu *host, gpu_variant variant, uint32_t sets, unsigne
     gpu_capture capture = gpu_capture_open(host, context);
     gpu_readback read = {0};
     for (uint32_t mesh = 0; mesh < MESHES; ++mesh) {
+        const uint32_t triangles = meshes[mesh]->triangle_count;
+        const room most = {.triangles = triangles * MAX_SEGMENTS * MAX_SEGMENTS,
+                           .vertices = triangles * (MAX_SEGMENTS + 1) * (MAX_SEGMENTS + 2) / 2};
         girih_scene *scene = gpu_scene(host, context, &meshes[mesh], 1);
         for (int surface = GIRIH_SURFACE_FLAT; surface <= GIRIH_SURFACE_PN; ++surface) {
             for (int transform = 0; transform < TRANSFORMS; ++transform) {
                 refiner r =
                     begin_refiner(&capture, scene, (solid){meshes[mesh], transforms[transform]},
-                                  (girih_surface)surface, MAX_SEGMENTS);
+                                  (girih_surface)surface, most);
                 // Last of all every edge alike: one group, too large for a single baked draw.
                 for (uint32_t n = 0; n <= sets; ++n) {
                     girih_frame frame = {.rule = GIRIH_LEVEL_SEGMENTS, .segments = MAX_SEGMENTS};
@@ -359,6 +370,108 @@ static void features_masked_off(void **state) {
     assert_true(masked_sets > 100);
 }
 
+// --- Beyond the catalogue
+// -----------------------------------------------------------------------------------
+
+// What a frame needs of a plan that splits, by the CPU twins, and the levels of the triangle's
+// edges that are farthest apart.
+static girih_statistics count_split(const girih_catalogue *catalogue, const girih_mesh *mesh,
+                                    const girih_frame *frame, uint32_t *least, uint32_t *most) {
+    stages s = stages_begin(catalogue, &mesh, 1, NULL, 0,
+                            (girih_plan_shape){.mode = GIRIH_MODE_BAKED,
+                                               .outputs = GIRIH_OUTPUT_NO_DRAW,
+                                               .max_segments = GIRIH_MOST_SEGMENTS,
+                                               .max_splits = MAX_SPLITS});
+    stages_frame(&s, frame);
+    stages_count(&s, GIRIH_SURFACE_FLAT);
+    const uint32_t *levels = s.arrays.words[GIRIH_BIND_LEVELS];
+    *least = *most = 0;
+    for (uint32_t n = 0; n < mesh->triangle_count; ++n) {
+        uint32_t low = UINT32_MAX, high = 0;
+        for (uint32_t edge = 0; edge < 3; ++edge) {
+            const uint32_t level = levels[mesh->triangle_edges[3 * n + edge]];
+            low = level < low ? level : low;
+            high = level > high ? level : high;
+        }
+        if (high - low > *most - *least) {
+            *least = low;
+            *most = high;
+        }
+    }
+    const girih_statistics statistics = stages_statistics(&s);
+    stages_end(&s);
+    return statistics;
+}
+
+static void check_split_set(gpu_capture *capture, const girih_mesh *mesh, girih_surface surface,
+                            const float *transform, const girih_frame *frame,
+                            const girih_statistics *needed) {
+    gpu_readback read = {0};
+    girih_scene *scene = gpu_scene(capture->gpu, capture->context, &mesh, 1);
+    refiner r = begin_refiner(capture, scene, (solid){mesh, transform}, surface,
+                              (room){.triangles = (uint32_t)needed->needed_triangles,
+                                     .vertices = (uint32_t)needed->needed_vertices,
+                                     .splits = MAX_SPLITS});
+    check_level_set(&r, frame, &read);
+    end_refiner(&r);
+    girih_scene_destroy(scene);
+    gpu_readback_free(capture->gpu, &read);
+}
+
+// Edges of one segment beside edges of 32,768; and `sets` of random levels, those that few enough
+// triangles have to be captured.
+static void check_splits(gpu_variant variant, uint32_t sets) {
+    girih_context *context = gpu_variant_context(&device, variant);
+    const girih_catalogue *catalogue =
+        variant.linear ? girih_catalogue_linear() : girih_catalogue_dyadic();
+    gpu_capture capture = gpu_capture_open(&device, context);
+    const uint32_t last = variant.linear ? GIRIH_MOST_SEGMENTS - 1 : 15;
+    uint32_t least, most;
+    const girih_mesh *needle = make_needle((float)GIRIH_MOST_SEGMENTS - 0.5f);
+    const girih_frame by_length = {.rule = GIRIH_LEVEL_EDGE_LENGTH, .length = 1};
+    girih_statistics needed = count_split(catalogue, needle, &by_length, &least, &most);
+    assert_int_equal(least, 0);
+    assert_int_equal(most, last);
+    assert_int_equal(needed.clamped_edges, 0);
+    for (int surface = GIRIH_SURFACE_FLAT; surface <= GIRIH_SURFACE_PN; ++surface) {
+        snprintf(what, sizeof what, "needle, surface %d, %s, few %d", surface,
+                 variant.linear ? "linear" : "dyadic", variant.few_buffers);
+        check_split_set(&capture, needle, (girih_surface)surface, transforms[0], &by_length,
+                        &needed);
+    }
+    girih_mesh_destroy(needle);
+    uint32_t found = 0;
+    for (uint32_t seed = 1; found < sets && seed < 4000; ++seed) {
+        const girih_mesh *mesh = meshes[seed % MESHES];
+        const girih_frame frame = {.rule = GIRIH_LEVEL_RANDOM_LEVEL,
+                                   .segments = variant.linear ? 1u << (5 + seed % 11) : 15,
+                                   .seed = seed};
+        needed = count_split(catalogue, mesh, &frame, &least, &most);
+        if (needed.overflow || needed.needed_triangles > MAX_SPLIT_TRIANGLES ||
+            most < catalogue->level_count) {
+            continue;
+        }
+        snprintf(what, sizeof what, "%s, %s, few %d, levels of up to %u:%u", mesh->name,
+                 variant.linear ? "linear" : "dyadic", variant.few_buffers, frame.segments, seed);
+        check_split_set(&capture, mesh, found % 2 ? GIRIH_SURFACE_PN : GIRIH_SURFACE_FLAT,
+                        transforms[found % TRANSFORMS], &frame, &needed);
+        ++found;
+    }
+    assert_int_equal(found, sets);
+    gpu_capture_close(&capture);
+    girih_context_destroy(context);
+}
+
+static void splits_dyadic(void **state) {
+    (void)state;
+    check_splits((gpu_variant){.linear = 0, .sort = GIRIH_SORT_SERIAL}, 4);
+}
+
+static void splits_linear_few(void **state) {
+    (void)state;
+    check_splits((gpu_variant){.linear = 1, .sort = GIRIH_SORT_WORKGROUP, .few_buffers = 1}, 6);
+}
+
 static void enough(void **state) {
     (void)state;
     print_message("%u level sets in 4 draws each and %u with all features off: %llu triangles, "
@@ -379,7 +492,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(dyadic_serial),       cmocka_unit_test(dyadic_workgroup_few),
         cmocka_unit_test(linear_workgroup),    cmocka_unit_test(linear_serial_few),
-        cmocka_unit_test(features_masked_off), cmocka_unit_test(enough),
+        cmocka_unit_test(features_masked_off), cmocka_unit_test(splits_dyadic),
+        cmocka_unit_test(splits_linear_few),   cmocka_unit_test(enough),
     };
     if (cmocka_run_group_tests(tests, NULL, NULL)) {
         return 1; // what a failed test left open would only hide why it failed

@@ -105,9 +105,8 @@ static uint32_t middle(builder *b, uint32_t (*slots)[3], size_t slot_count, uint
     }
     const float *a = b->positions + 3 * (size_t)low;
     const float *c = b->positions + 3 * (size_t)high;
-    const uint32_t vertex = add_sphere_point(b, (double)a[0] + (double)c[0],
-                                             (double)a[1] + (double)c[1],
-                                             (double)a[2] + (double)c[2]);
+    const uint32_t vertex = add_sphere_point(
+        b, (double)a[0] + (double)c[0], (double)a[1] + (double)c[1], (double)a[2] + (double)c[2]);
     slots[slot][0] = low;
     slots[slot][1] = high;
     slots[slot][2] = vertex + 1;
@@ -116,9 +115,9 @@ static uint32_t middle(builder *b, uint32_t (*slots)[3], size_t slot_count, uint
 
 const girih_mesh *make_icosphere(uint32_t halvings) {
     static const uint32_t faces[20][3] = {
-        {0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+        {0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
         {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-        {3, 8, 9},  {4, 9, 5},  {2, 4, 11},  {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+        {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
     const uint32_t triangles = 20u << (2 * halvings);
     builder b = begin(triangles / 2 + 2, triangles);
     const double g = (1.0 + sqrt(5.0)) / 2.0;
@@ -359,6 +358,22 @@ const girih_mesh *make_soup(uint32_t triangles, uint32_t points, uint64_t seed) 
         {.first_index = third, .index_count = third, .material = 0, .two_sided = 1},
         {.first_index = 2 * third, .index_count = b.index_count - 2 * third, .material = 1}};
     return finish(&b, "soup", submeshes, 3);
+}
+
+const girih_mesh *make_needle(float length) {
+    builder b = begin(4, 4);
+    static const float base[3][2] = {{-0.45f, -0.26f}, {0.45f, -0.26f}, {0.0f, 0.52f}};
+    for (uint32_t n = 0; n < 3; ++n) {
+        const float position[3] = {base[n][0], base[n][1], 0.0f};
+        add_vertex(&b, position, position, base[n][0], base[n][1]);
+    }
+    const float tip[3] = {0.0f, 0.0f, length};
+    add_vertex(&b, tip, tip, 0.5f, 0.5f);
+    add_triangle(&b, 0, 2, 1);
+    for (uint32_t n = 0; n < 3; ++n) {
+        add_triangle(&b, n, (n + 1) % 3, 3);
+    }
+    return finish(&b, "needle", NULL, 0);
 }
 
 const girih_mesh *make_triangle(void) {

@@ -41,6 +41,9 @@ const girih_mesh *make_soup(uint32_t triangles, uint32_t points, uint64_t seed);
 // One triangle (0,0,0), (1,0,0), (0,1,0).
 const girih_mesh *make_triangle(void);
 
+// Closed: a triangle with sides of 9/10 and a tip so far away.
+const girih_mesh *make_needle(float length);
+
 // The triangles of another mesh, at `positions` (its vertices'; NULL: where they are). Apart: every
 // triangle has vertices of its own, with the same normals and attributes.
 const girih_mesh *make_copy(const girih_mesh *mesh, const float *positions, int apart, int dynamic);

@@ -34,8 +34,7 @@ static void write_patch(girih_arrays *arrays, uint32_t number, girih_surface sur
     girih_item_patch(arrays, &item, vertices, surface, &p);
     const bool pn = surface == GIRIH_SURFACE_PN;
     const uint32_t part_words = arrays->frame.max_splits > 0 ? GIRIH_PATCH_WORDS_PART : 0;
-    const uint32_t patch_words =
-        (pn ? GIRIH_PATCH_WORDS_PN : GIRIH_PATCH_WORDS_FLAT) + part_words;
+    const uint32_t patch_words = (pn ? GIRIH_PATCH_WORDS_PN : GIRIH_PATCH_WORDS_FLAT) + part_words;
     uint32_t *words = arrays->words[GIRIH_BIND_OUT_ATTRIBUTES] + (size_t)number * patch_words;
     write_vector(words, p.b300);
     write_vector(words + 3, p.b030);

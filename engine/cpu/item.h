@@ -77,8 +77,8 @@ static inline girih_part girih_item_part(const girih_arrays *arrays, const girih
 // The weights, over GIRIH_SPLIT_ONE, of the item's corners at a vertex of its pattern (a word of
 // PATTERN_VERTICES): of the triangle permuted by lambda, or of a part's root in the input's order.
 // `part` is the item's, if it is one.
-static inline void girih_item_weights(const girih_item *item, const girih_part *part,
-                                      uint32_t word, uint32_t result[3]) {
+static inline void girih_item_weights(const girih_item *item, const girih_part *part, uint32_t word,
+                                      uint32_t result[3]) {
     const uint32_t u = word & 0xffff;
     const uint32_t v = word >> 16;
     const uint32_t weights[3] = {u, v, 32768 - u - v};

@@ -41,8 +41,7 @@ static inline uint32_t girih_rank(const uint32_t sorted[3]) {
 // does not. `material` is the triangle's word of TRIANGLE_MATERIALS.
 static inline uint32_t girih_key(const girih_arrays *arrays, const uint32_t levels[3],
                                  uint32_t material, bool mirrored) {
-    const uint32_t first_group =
-        (material & GIRIH_MATERIAL_MASK) * arrays->frame.range_count;
+    const uint32_t first_group = (material & GIRIH_MATERIAL_MASK) * arrays->frame.range_count;
     uint32_t sorted[3] = {levels[0], levels[1], levels[2]};
     uint32_t lambda = girih_sort_levels(sorted);
     if (sorted[0] >= arrays->frame.level_count) {
@@ -55,8 +54,8 @@ static inline uint32_t girih_key(const girih_arrays *arrays, const uint32_t leve
     if (sorted[0] == sorted[1] || sorted[1] == sorted[2]) {
         lambda = GIRIH_LAMBDA_EVEN(lambda);
         if (mirrored) {
-            lambda = sorted[0] == sorted[1] ? GIRIH_LAMBDA_ODD_IJ(lambda)
-                                            : GIRIH_LAMBDA_ODD_JK(lambda);
+            lambda =
+                sorted[0] == sorted[1] ? GIRIH_LAMBDA_ODD_IJ(lambda) : GIRIH_LAMBDA_ODD_JK(lambda);
         }
     } else if (((GIRIH_LAMBDA_IS_ODD(lambda)) != 0) != mirrored) {
         range = 1;

@@ -129,7 +129,8 @@ static uint32_t horizontal_level(const girih_arrays *arrays, uint32_t instance, 
     const plan_point along = {b.x - a.x, b.y - a.y};
     const float square = along.x * along.x + along.y * along.y;
     // The table of angles ends there.
-    const uint32_t last = frame->last_level < GIRIH_MAX_LEVELS ? frame->last_level : GIRIH_MAX_LEVELS - 1;
+    const uint32_t last =
+        frame->last_level < GIRIH_MAX_LEVELS ? frame->last_level : GIRIH_MAX_LEVELS - 1;
     for (uint32_t level = 0;; ++level) {
         const float segments = (float)girih_level_segments(frame, level);
         const float *turn = frame->turns[level / 2] + 2 * (level % 2);

@@ -9,8 +9,8 @@
 // from.
 #define GIRIH_OWN_NORMAL_STEP (1.0f / 256.0f)
 
-// Where a pattern vertex is evaluated: a triangle, and its corners' weights over GIRIH_SPLIT_ONE, in
-// the order of the input.
+// Where a pattern vertex is evaluated: a triangle, and its corners' weights over GIRIH_SPLIT_ONE,
+// in the order of the input.
 typedef struct girih_place {
     uint32_t scene_triangle;
     uint32_t weights[3];

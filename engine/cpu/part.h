@@ -34,8 +34,7 @@ static inline uint32_t girih_edge_vertex(uint32_t weight, uint32_t n) {
 }
 
 static inline girih_part girih_read_part(const girih_arrays *arrays, uint32_t number) {
-    const uint32_t *words =
-        arrays->words[GIRIH_BIND_SPLITS] + (size_t)number * GIRIH_SPLIT_WORDS;
+    const uint32_t *words = arrays->words[GIRIH_BIND_SPLITS] + (size_t)number * GIRIH_SPLIT_WORDS;
     girih_part part = {.root = words[GIRIH_SPLIT_ROOT],
                        .levels = {words[GIRIH_SPLIT_LEVELS] & 0xffff,
                                   words[GIRIH_SPLIT_LEVELS] >> 16,
@@ -48,8 +47,8 @@ static inline girih_part girih_read_part(const girih_arrays *arrays, uint32_t nu
         part.corners[n][0] = u;
         part.corners[n][1] = v;
         part.corners[n][2] = GIRIH_SPLIT_ONE - u - v;
-        part.segments[n] = 1 + (pair[0] >> GIRIH_SPLIT_WEIGHT_BITS |
-                                pair[1] >> GIRIH_SPLIT_WEIGHT_BITS << 8);
+        part.segments[n] =
+            1 + (pair[0] >> GIRIH_SPLIT_WEIGHT_BITS | pair[1] >> GIRIH_SPLIT_WEIGHT_BITS << 8);
     }
     return part;
 }
@@ -101,8 +100,8 @@ static inline uint32_t girih_part_border(const girih_part *part, uint32_t edge) 
     return 3;
 }
 
-// How many of an edge's segments are before the vertex whose end weighs `weight`, where `count` parts
-// of it have one each.
+// How many of an edge's segments are before the vertex whose end weighs `weight`, where `count`
+// parts of it have one each.
 static inline uint32_t girih_part_steps(uint32_t segments, uint32_t count, uint32_t weight) {
     return girih_edge_vertex(weight, count) * segments / count;
 }
@@ -112,8 +111,8 @@ static inline uint32_t girih_part_steps(uint32_t segments, uint32_t count, uint3
 // `counts` segments on its edges, by which it is split.
 //
 // On an edge of the root that is a vertex of the whole edge's segments, as in a neighbour that is
-// not split. Everywhere else it is the rounded mean of the corners, one formula for both parts at an
-// edge: sums of integers do not ask which end comes first.
+// not split. Everywhere else it is the rounded mean of the corners, one formula for both parts at
+// an edge: sums of integers do not ask which end comes first.
 static inline void girih_part_weights(const girih_part *part, const uint32_t weights[3],
                                       const uint32_t *counts, uint32_t result[3]) {
     for (uint32_t edge = 0; edge < 3; ++edge) {
@@ -125,8 +124,7 @@ static inline void girih_part_weights(const girih_part *part, const uint32_t wei
         const uint32_t from = (opposite + 1) % 3;
         const uint32_t to = (opposite + 2) % 3;
         const uint32_t whole = part->segments[from];
-        const uint32_t begin =
-            girih_edge_vertex(part->corners[edge][to] / GIRIH_SPLIT_UNIT, whole);
+        const uint32_t begin = girih_edge_vertex(part->corners[edge][to] / GIRIH_SPLIT_UNIT, whole);
         const uint32_t end = girih_edge_vertex(part->corners[next][to] / GIRIH_SPLIT_UNIT, whole);
         const uint32_t own = begin < end ? end - begin : begin - end;
         const uint32_t steps = girih_part_steps(own, counts ? counts[edge] : own, weights[next]);

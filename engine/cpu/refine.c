@@ -94,8 +94,8 @@ static void limit_culling(girih_frame_block *frame, const girih_cpu_desc *desc) 
 // Memory of what the stages up to dispatch write. The sort's counters and spare items, and the
 // draws, are the GPU's alone.
 static girih_result allocate_work(girih_arrays *arrays, girih_error *error) {
-    static const uint32_t written[] = {GIRIH_BIND_LEVELS, GIRIH_BIND_SPLITS, GIRIH_BIND_KEYS,
-                                       GIRIH_BIND_ITEMS,  GIRIH_BIND_GROUPS, GIRIH_BIND_STATUS,
+    static const uint32_t written[] = {GIRIH_BIND_LEVELS,      GIRIH_BIND_SPLITS, GIRIH_BIND_KEYS,
+                                       GIRIH_BIND_ITEMS,       GIRIH_BIND_GROUPS, GIRIH_BIND_STATUS,
                                        GIRIH_BIND_WELD_OFFSETS};
     for (size_t n = 0; n < sizeof written / sizeof *written; ++n) {
         const uint64_t count = arrays->count[written[n]];
@@ -122,8 +122,8 @@ static girih_result choose_patterns(girih_arrays *arrays, const girih_cpu_desc *
         .max_splits = desc->max_segments > 0 ? FIRST_SPLITS : 0,
     };
     for (;;) {
-        girih_result result = girih_pack_plan(arrays, &shape, table, desc->instances,
-                                              desc->instance_count, error);
+        girih_result result =
+            girih_pack_plan(arrays, &shape, table, desc->instances, desc->instance_count, error);
         if (result == GIRIH_OK) {
             result = girih_pack_frame(arrays, frame, error);
         }

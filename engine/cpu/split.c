@@ -58,7 +58,8 @@ static division choose_division(const girih_arrays *arrays, const girih_part *pa
         const uint32_t level = part->levels[n];
         coarse[n] = 0;
         if (is_root || level >= frame->level_count) {
-            coarse[n] = coarse_level(frame, level, girih_rest_level(frame, is_root ? largest : level));
+            coarse[n] =
+                coarse_level(frame, level, girih_rest_level(frame, is_root ? largest : level));
         }
         d.counts[n] = girih_level_segments(frame, coarse[n]);
         d.rest[n] = level - coarse[n];
@@ -135,11 +136,12 @@ static uint32_t part_level(const girih_frame_block *frame, const girih_part *par
 }
 
 // The parts of one triangle or part, from number `first` on.
-static void write_parts(girih_arrays *arrays, const girih_part *part, bool is_root, uint32_t first) {
+static void write_parts(girih_arrays *arrays, const girih_part *part, bool is_root,
+                        uint32_t first) {
     const girih_frame_block *frame = &arrays->frame;
     const division d = choose_division(arrays, part, is_root);
-    const uint32_t instance = girih_find_instance(
-        arrays, part->root, GIRIH_INSTANCE_FIRST_TRIANGLE, frame->triangle_blocks);
+    const uint32_t instance = girih_find_instance(arrays, part->root, GIRIH_INSTANCE_FIRST_TRIANGLE,
+                                                  frame->triangle_blocks);
     const uint32_t material = girih_word(
         arrays, GIRIH_BIND_TRIANGLE_MATERIALS,
         part->root - girih_instance_word(arrays, instance, GIRIH_INSTANCE_TRIANGLE_DELTA));
@@ -178,18 +180,18 @@ static void write_parts(girih_arrays *arrays, const girih_part *part, bool is_ro
 
 // The triangle as its own only part.
 static girih_part whole_triangle(const girih_arrays *arrays, uint32_t triangle) {
-    const uint32_t instance =
-        girih_find_instance(arrays, triangle, GIRIH_INSTANCE_FIRST_TRIANGLE,
-                            arrays->frame.triangle_blocks);
+    const uint32_t instance = girih_find_instance(arrays, triangle, GIRIH_INSTANCE_FIRST_TRIANGLE,
+                                                  arrays->frame.triangle_blocks);
     const uint32_t scene_triangle =
         triangle - girih_instance_word(arrays, instance, GIRIH_INSTANCE_TRIANGLE_DELTA);
     girih_part part = {.root = triangle, .first = true};
     for (uint32_t n = 0; n < 3; ++n) {
-        const uint32_t edge = girih_word(arrays, GIRIH_BIND_TRIANGLE_EDGES,
-                                         3 * (size_t)scene_triangle + n) & GIRIH_EDGE_MASK;
-        part.levels[n] = girih_word(
-            arrays, GIRIH_BIND_LEVELS,
-            edge + girih_instance_word(arrays, instance, GIRIH_INSTANCE_EDGE_DELTA));
+        const uint32_t edge =
+            girih_word(arrays, GIRIH_BIND_TRIANGLE_EDGES, 3 * (size_t)scene_triangle + n) &
+            GIRIH_EDGE_MASK;
+        part.levels[n] =
+            girih_word(arrays, GIRIH_BIND_LEVELS,
+                       edge + girih_instance_word(arrays, instance, GIRIH_INSTANCE_EDGE_DELTA));
         part.segments[n] = girih_level_segments(&arrays->frame, part.levels[n]);
         part.corners[n][n] = GIRIH_SPLIT_ONE;
     }
