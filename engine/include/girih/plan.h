@@ -186,9 +186,10 @@ typedef struct girih_plan_desc {
     uint32_t outputs;       // girih_output_bits
     uint32_t max_vertices;  // room for output vertices (baked, welded); 0: room for level 0 only
     uint32_t max_triangles; // room for output triangles; 0: room for level 0 only
-    // Unlimited levels: a triangle with an edge that asks for more segments than the catalogue holds
-    // is split by a base pattern, on the GPU, and its parts again if need be, until all levels are
-    // the catalogue's. Baked and instanced; 0 in either: edges are clamped to the catalogue's levels.
+    // Unlimited levels: a triangle with an edge that asks for more segments than the catalogue
+    // holds is split by a base pattern, on the GPU, and its parts again if need be, until all
+    // levels are the catalogue's. Baked and instanced; 0 in either: edges are clamped to the
+    // catalogue's levels.
     uint32_t max_segments; // that an edge may ask for; at most 32768 count
     uint32_t max_splits;   // room for the parts of split triangles, all passes together: 48 bytes
                            // each and 12 to 20 to sort them. Level 0 counts each as a triangle
@@ -285,12 +286,12 @@ girih_plan_vertex_input(const girih_plan *plan);
 typedef struct girih_statistics {
     uint64_t input_triangles; // of all instances
     uint64_t culled_triangles;
-    uint64_t clamped_edges; // edges that asked for more segments than the catalogue holds, or, where
-                            // triangles are split, than max_segments
+    uint64_t clamped_edges; // edges that asked for more segments than the catalogue holds, or,
+                            // where triangles are split, than max_segments
     uint64_t split_triangles; // of the input's
     uint64_t parts;           // that they were refined as
-    uint64_t needed_splits;   // room that parts needed; after an overflow, as far as they were made:
-                              // more than max_splits, and maybe not all yet
+    uint64_t needed_splits; // room that parts needed; after an overflow, as far as they were made:
+                            // more than max_splits, and maybe not all yet
     uint64_t output_triangles;
     uint64_t output_vertices;  // instanced: vertices of all instances' patterns
     uint64_t needed_triangles; // what the levels asked for; more than the output after an overflow
