@@ -145,14 +145,17 @@ gpu_capture gpu_capture_open(gpu *host, const girih_context *context) {
 }
 
 // Which of a capture's pipelines draws a plan.
-enum { SPLITS = 2, FROM_BUFFERS = 4, OWN, OWN_PREVIOUS, PIPELINES };
+enum { SPLITS = 2, FROM_BUFFERS = 4, OWN, OWN_PREVIOUS, OWN_SPLITS, PIPELINES };
 
 static int choose_pipeline(const gpu_capture *capture, const girih_plan *plan) {
-    return plan->mode != GIRIH_MODE_INSTANCED ? FROM_BUFFERS
-           : plan->surface != GIRIH_SURFACE_OWN
-               ? (int)plan->surface + (plan->arrays.frame.max_splits > 0 ? SPLITS : 0)
-           : capture->previous ? OWN_PREVIOUS
-                               : OWN;
+    const bool splits = plan->arrays.frame.max_splits > 0;
+    if (plan->mode != GIRIH_MODE_INSTANCED) {
+        return FROM_BUFFERS;
+    }
+    if (plan->surface != GIRIH_SURFACE_OWN) {
+        return (int)plan->surface + (splits ? SPLITS : 0);
+    }
+    return splits ? OWN_SPLITS : capture->previous ? OWN_PREVIOUS : OWN;
 }
 
 static void forget_own(gpu_capture *capture) {

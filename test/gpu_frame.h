@@ -32,11 +32,11 @@ void gpu_readback_free(gpu *gpu, gpu_readback *readback);
 // Floats of a captured corner: position, normal, and 2 attributes.
 #define GPU_CAPTURE_FLOATS 8
 
-// An own surface's vertex shaders (shaders/capture.vert) for the instanced mode: as it is, and with
-// the previous frame's positions; its set is bound as set 1. Words of the caller's.
+// An own surface's vertex shaders (shaders/capture.vert) for the instanced mode: as it is, with the
+// previous frame's positions, and where triangles may be split; its set is bound as set 1. Words of the caller's.
 typedef struct gpu_own_shader {
-    const uint32_t *words[2];
-    size_t bytes[2];
+    const uint32_t *words[3];
+    size_t bytes[3];
     VkDescriptorSetLayout layout;
     VkDescriptorSet set;
 } gpu_own_shader;
@@ -49,8 +49,8 @@ typedef struct gpu_capture {
     VkRenderPass pass;
     VkFramebuffer framebuffer;
     VkPipelineLayout layout;
-    VkPipeline pipelines[7]; // instanced flat, instanced PN, the same where triangles may be split,
-                             // from buffers; instanced own, previous
+    VkPipeline pipelines[8]; // instanced flat, instanced PN, the same where triangles may be split,
+                             // from buffers; instanced own, previous, split
     gpu_own_shader own;      // gpu_capture_own
     VkPipelineLayout own_layout;
     bool previous;      // own surfaces: the positions captured are the previous frame's

@@ -198,7 +198,8 @@ static edge_audit audit_read(const girih_plan *plan, const gpu_readback *read) {
 // lavapipe runs the same instructions in a vertex and in a compute shader.
 static uint32_t assert_draws(gpu_capture *capture, girih_plan *instanced, const girih_frame *frame,
                              const girih_plan *baked, const gpu_readback *read) {
-    const uint32_t drawn = gpu_draw(capture, instanced, frame, ROOM);
+    const uint32_t drawn =
+        gpu_draw(capture, instanced, frame, instanced->arrays.frame.max_triangles);
     assert_int_equal(drawn, girih_plan_statistics(baked).output_triangles);
     const float *corners = capture->corners.mapped;
     for (uint32_t n = 0; n < 3 * drawn; ++n) {
@@ -301,6 +302,48 @@ static void watertight_with_few_buffers(void **state) {
 static void watertight_with_the_linear_catalogue(void **state) {
     (void)state;
     check_watertight((gpu_variant){.linear = 1}, 4, false);
+}
+
+// Parts are evaluated in their roots, so that places on the input's edges still have their owners.
+static void check_splits(gpu_variant variant) {
+    const girih_catalogue *catalogue =
+        variant.linear ? girih_catalogue_linear() : girih_catalogue_dyadic();
+    girih_context *context = gpu_variant_context(&device, variant);
+    girih_scene *scene = gpu_scene(&device, context, meshes, OWN_MESHES);
+    girih_surface_program *program = own_program(context, &textures, OWN_NASTY, 1);
+    gpu_capture capture = gpu_capture_open(&device, context);
+    own_capture(&capture, &textures, OWN_NASTY);
+    girih_plan *plans[2];
+    for (int mode = GIRIH_MODE_INSTANCED; mode <= GIRIH_MODE_BAKED; ++mode) {
+        girih_plan_desc desc = own_plan_of(scene, program, (girih_mode)mode, 900000);
+        desc.max_segments = 100;
+        desc.max_splits = 60000;
+        plans[mode] = own_make_plan(context, desc);
+    }
+    gpu_readback read = {0};
+    girih_frame frame = random_frame(11);
+    frame.segments = variant.linear ? 40 : 100;
+    gpu_refine(&device, plans[GIRIH_MODE_BAKED], &frame, &read);
+    const girih_statistics s = girih_plan_statistics(plans[GIRIH_MODE_BAKED]);
+    assert_false(s.overflow);
+    assert_int_equal(s.clamped_edges, 0);
+    assert_true(s.parts > 500);
+    const edge_audit expected = expect_edges(catalogue, &read, s.output_triangles);
+    assert_as_expected("split", audit_read(plans[GIRIH_MODE_BAKED], &read), expected);
+    assert_draws(&capture, plans[GIRIH_MODE_INSTANCED], &frame, plans[GIRIH_MODE_BAKED], &read);
+    gpu_readback_free(&device, &read);
+    girih_plan_destroy(plans[GIRIH_MODE_INSTANCED]);
+    girih_plan_destroy(plans[GIRIH_MODE_BAKED]);
+    gpu_capture_close(&capture);
+    girih_surface_program_destroy(program);
+    girih_scene_destroy(scene);
+    girih_context_destroy(context);
+}
+
+static void watertight_beyond_the_catalogue(void **state) {
+    (void)state;
+    check_splits((gpu_variant){.linear = 1});
+    check_splits((gpu_variant){.few_buffers = 1});
 }
 
 // The control: the same function cracks where each triangle evaluates its border itself.
@@ -420,6 +463,7 @@ int main(void) {
         cmocka_unit_test(watertight),
         cmocka_unit_test(watertight_with_few_buffers),
         cmocka_unit_test(watertight_with_the_linear_catalogue),
+        cmocka_unit_test(watertight_beyond_the_catalogue),
         cmocka_unit_test(apart_it_cracks),
         cmocka_unit_test(previous_positions),
     };

@@ -11,6 +11,7 @@
     {.bake = {own_##name##_bake, sizeof own_##name##_bake},                                        \
      .bake_few = {own_##name##_bake_few, sizeof own_##name##_bake_few},                            \
      .draw = {own_##name##_draw, sizeof own_##name##_draw},                                        \
+     .draw_splits = {own_##name##_draw_splits, sizeof own_##name##_draw_splits},                   \
      .draw_previous = {own_##name##_draw_previous, sizeof own_##name##_draw_previous}},
 
 typedef struct module {
@@ -20,7 +21,7 @@ typedef struct module {
 
 // In the order of own_surface.
 static const struct {
-    module bake, bake_few, draw, draw_previous;
+    module bake, bake_few, draw, draw_splits, draw_previous;
 } modules[] = {OWN_SURFACES(LIST_MODULES)};
 
 // A texture of random bytes, in the layout that shaders read.
@@ -185,8 +186,10 @@ girih_surface_program *own_program(const girih_context *context, const own_set *
 
 void own_capture(gpu_capture *capture, const own_set *set, own_surface surface) {
     const gpu_own_shader own = {
-        .words = {modules[surface].draw.words, modules[surface].draw_previous.words},
-        .bytes = {modules[surface].draw.bytes, modules[surface].draw_previous.bytes},
+        .words = {modules[surface].draw.words, modules[surface].draw_previous.words,
+                  modules[surface].draw_splits.words},
+        .bytes = {modules[surface].draw.bytes, modules[surface].draw_previous.bytes,
+                  modules[surface].draw_splits.bytes},
         .layout = set->layout,
         .set = set->set};
     gpu_capture_own(capture, &own);
