@@ -168,6 +168,7 @@ girih_result bench_target_set_view(bench_target *target, const bench_view *view,
                                    const girih_catalogue *catalogue, const girih_frame *frame,
                                    girih_error *error) {
     girih_arrays arrays = {.frame.level_count = catalogue->level_count,
+                           .frame.last_level = catalogue->level_count - 1,
                            .frame.linear_spacing = catalogue->spacing == GIRIH_SPACING_LINEAR};
     const girih_result result = girih_pack_frame(&arrays, frame, error);
     if (result == GIRIH_OK) {

@@ -130,15 +130,13 @@ uint girih_edge_level(uint rule, vec3 p, vec3 q, out bool clamped) {
     // neither root nor division is needed.
     precise vec3 along = q - p;
     precise float wanted = girih_dot(along, along) * girih_frame.length_factor;
-    for (;;) {
-        clamped = !girih_reaches(level, distance_squared, wanted);
-        if (!clamped || level == last) {
-            return level;
-        }
+    uint end = girih_frame.level_count - 1u;
+    while (level < end && !girih_reaches(level, distance_squared, wanted)) {
         ++level;
-        if (level == girih_frame.level_count) {
-            break;
-        }
+    }
+    clamped = !girih_reaches(level, distance_squared, wanted);
+    if (!clamped || level == last) {
+        return level;
     }
     // Beyond the catalogue levels may be many: more segments reach farther, so halving finds them.
     while (level < last) {

@@ -145,7 +145,7 @@ gpu_capture gpu_capture_open(gpu *host, const girih_context *context) {
 }
 
 // Which of a capture's pipelines draws a plan.
-enum { SPLITS = 2, FROM_BUFFERS = 4, OWN, OWN_PREVIOUS, OWN_SPLITS, PIPELINES };
+enum { SPLITS = 2, FROM_BUFFERS = GPU_CAPTURE_BUFFERS, OWN, OWN_PREVIOUS, OWN_SPLITS, PIPELINES };
 
 static int choose_pipeline(const gpu_capture *capture, const girih_plan *plan) {
     const bool splits = plan->arrays.frame.max_splits > 0;

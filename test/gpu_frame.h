@@ -29,6 +29,9 @@ void gpu_readback_free(gpu *gpu, gpu_readback *readback);
 // --- Capture: the triangles that a draw hands to the rasteriser
 // -------------------------------------
 
+// The pipeline, of a capture's, that draws baked and welded vertices.
+#define GPU_CAPTURE_BUFFERS 4
+
 // Floats of a captured corner: position, normal, and 2 attributes.
 #define GPU_CAPTURE_FLOATS 8
 

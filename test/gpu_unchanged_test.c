@@ -394,7 +394,7 @@ static uint32_t draw_room(gpu_capture *capture, const girih_plan *plan, girih_bu
                                         .framebuffer = capture->framebuffer,
                                         .renderArea = {.extent = {16, 16}}};
     vkCmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, capture->pipelines[2]);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, capture->pipelines[GPU_CAPTURE_BUFFERS]);
     const VkDeviceSize zero = 0;
     capture->bind(commands, 0, 1, &capture->corners.buffer, &zero, &capture->corners.size);
     capture->begin(commands, 0, 0, NULL, NULL);

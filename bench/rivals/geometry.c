@@ -103,6 +103,7 @@ static float longest_edge_squared(const bench_job *job) {
 // give at most, by the longest edge where lengths count. The levels themselves are the shader's.
 static uint32_t most_segments(const bench_job *job, const girih_frame *frame, float longest) {
     girih_arrays arrays = {.frame.level_count = job->catalogue->level_count,
+                           .frame.last_level = job->catalogue->level_count - 1,
                            .frame.linear_spacing = job->catalogue->spacing == GIRIH_SPACING_LINEAR};
     const uint32_t last = job->catalogue->level_count - 1;
     uint32_t level = last;
