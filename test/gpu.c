@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline_store.h"
+
 void gpu_check(VkResult result, const char *what) {
     if (result != VK_SUCCESS) {
         fprintf(stderr, "%s: VkResult %d\n", what, (int)result);
@@ -149,6 +151,7 @@ void gpu_open(gpu *host, const VkPhysicalDeviceFeatures *wanted, bool validation
 }
 
 unsigned gpu_close(gpu *host) {
+    host->messages += store_close(host->device);
     vkDestroyFence(host->device, host->fence, NULL);
     vkDestroyCommandPool(host->device, host->pool, NULL);
     vkDestroyDevice(host->device, NULL);
@@ -269,7 +272,8 @@ VkShaderModule gpu_shader(gpu *host, const uint32_t *words, size_t bytes) {
 
 girih_context *gpu_context(gpu *host, const girih_context_desc *options) {
     girih_context_desc desc = *options;
-    desc.get_instance_proc_addr = vkGetInstanceProcAddr;
+    desc.get_instance_proc_addr =
+        host->share_pipelines ? store_get_instance_proc_addr : vkGetInstanceProcAddr;
     desc.instance = host->instance;
     desc.physical_device = host->physical_device;
     desc.device = host->device;

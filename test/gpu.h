@@ -22,7 +22,8 @@ typedef struct gpu {
     VkCommandPool pool;
     VkFence fence;
     VkDebugUtilsMessengerEXT messenger;
-    unsigned messages; // validation messages so far, each printed
+    unsigned messages;    // validation messages so far, each printed
+    bool share_pipelines; // gpu_context's contexts do (pipeline_store.h); set after gpu_open
 } gpu;
 
 typedef struct gpu_buffer {
@@ -36,7 +37,7 @@ typedef struct gpu_buffer {
 
 // wanted: features enabled where the device has them; NULL: none.
 void gpu_open(gpu *host, const VkPhysicalDeviceFeatures *wanted, bool validation);
-// Closes, and returns the number of validation messages.
+// Closes, and returns the number of validation messages and of shared pipelines that are left.
 unsigned gpu_close(gpu *host);
 void gpu_check(VkResult result, const char *what);
 void gpu_girih(girih_result result, const girih_error *error);

@@ -362,6 +362,7 @@ static uint32_t fail_contexts_programs_and_scenes(int few_buffers, fault_kind ki
 static void vulkan_calls_fail(void **unused) {
     (void)unused;
     shim_reset();
+    shim_share_pipelines(true);
     uint32_t failures[RESULTS_OF_CALLS] = {0};
     for (int few = 0; few < 2; ++few) {
         survivor there = open_survivor(few);
@@ -386,6 +387,7 @@ static void vulkan_calls_fail(void **unused) {
 static void own_allocations_fail(void **unused) {
     (void)unused;
     shim_reset();
+    shim_share_pipelines(true);
     uint32_t failures = 0;
     for (int few = 0; few < 2; ++few) {
         survivor there = open_survivor(few);
@@ -398,7 +400,8 @@ static void own_allocations_fail(void **unused) {
     assert_true(failures > 60);
 }
 
-// Without validation: the driver's own report of each failure would count as a message.
+// Without validation: the driver's own report of each failure would count as a message. With
+// pipelines made anew for each context, whose allocations fail too.
 static void host_allocations_fail(void **unused) {
     (void)unused;
     shim_reset();
@@ -447,6 +450,7 @@ static uint32_t fail_to_ask(const maker *it) {
 static void needs_fail(void **unused) {
     (void)unused;
     shim_reset();
+    shim_share_pipelines(true);
     uint32_t failures = 0;
     for (int few = 0; few < 2; ++few) {
         survivor there = open_survivor(few);
@@ -525,6 +529,7 @@ typedef struct host_ranges {
 
 static void check_host_memory(int few_buffers) {
     shim_reset();
+    shim_share_pipelines(true);
     survivor reference = open_survivor(few_buffers);
     host_memory memory = open_host_memory();
     host_ranges ranges;
@@ -666,6 +671,7 @@ static void check_ranges(maker *it, const girih_buffer_need *needs, girih_buffer
 static void wrong_ranges_are_refused(void **unused) {
     (void)unused;
     shim_reset();
+    shim_share_pipelines(true);
     survivor reference = open_survivor(0);
     host_memory memory = open_host_memory();
     host_ranges ranges;

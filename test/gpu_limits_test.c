@@ -815,6 +815,7 @@ int main(void) {
     };
     const girih_requirements requirements = girih_get_requirements();
     gpu_open(&device, &requirements.optional, true);
+    device.share_pipelines = true;
     if (cmocka_run_group_tests(tests, NULL, NULL)) {
         return 1; // what a failed test left open would only hide why it failed
     }

@@ -295,6 +295,7 @@ static void compare_scene(size_t world, size_t number, const girih_context *cont
 static void worlds_give_the_same_bytes(void **state) {
     (void)state;
     shim_reset();
+    shim_share_pipelines(true);
     for (size_t world = 0; world < WORLDS; ++world) {
         gpu *host = &devices[worlds[world].device];
         shim_report_required_limits(worlds[world].required_limits);
@@ -464,6 +465,7 @@ static void run_beside(gpu *host, const host_program *program, girih_plan *plan,
 static void host_sets_stay_bound(void **state) {
     (void)state;
     shim_reset();
+    shim_share_pipelines(true);
     gpu *host = &devices[FIRST_FULL];
     host_program program = open_program(host, GIRIH_PUSH_CONSTANT_BYTES);
     uint64_t bytes = 0;

@@ -773,6 +773,7 @@ static void place_crowd(void) {
 int main(void) {
     const girih_requirements requirements = girih_get_requirements();
     gpu_open(&device, &requirements.optional, true);
+    device.share_pipelines = true;
     meshes[0] = make_icosphere(1);
     meshes[1] = make_torus(12, 8);
     meshes[2] = make_cube(1);

@@ -486,6 +486,7 @@ int main(void) {
     const girih_requirements requirements = girih_get_requirements();
     gpu_open(&device, &requirements.optional, true);
     gpu_open(&plainest, NULL, true);
+    device.share_pipelines = plainest.share_pipelines = true;
     meshes[0] = make_seam_sphere(7, 6);
     meshes[1] = make_cube(1);
     meshes[2] = make_torus(9, 4);

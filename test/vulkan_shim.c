@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pipeline_store.h"
+
 typedef struct object {
     shim_kind kind;
     uint64_t handle;
@@ -29,6 +31,7 @@ static struct {
     VkResult result;
     const char *current; // the call that the driver is in
     bool required_limits;
+    bool share_pipelines;
 } state = {.call = {.left = SIZE_MAX}, .allocation = {.left = SIZE_MAX}};
 
 static const char *const kind_names[SHIM_KINDS] = {
@@ -52,6 +55,10 @@ void shim_reset(void) {
     free(state.objects);
     memset(&state, 0, sizeof state);
     state.call.left = state.allocation.left = SIZE_MAX;
+}
+
+void shim_share_pipelines(bool on) {
+    state.share_pipelines = on;
 }
 
 // --- Objects -------------------------------------------------------------------------------------
@@ -483,24 +490,27 @@ static void check_shader(const VkShaderModuleCreateInfo *info) {
         return result;                                                                             \
     }
 
-#define SHIM_DESTROY(FUNCTION, CALL, KIND, TYPE)                                                   \
+// CALL is made through PASS_ON.
+#define SHIM_DESTROY(FUNCTION, CALL, PASS_ON, KIND, TYPE)                                          \
     static VKAPI_ATTR void VKAPI_CALL FUNCTION(VkDevice device, TYPE handle,                       \
                                                const VkAllocationCallbacks *allocator) {           \
         if (take(#CALL, KIND, (uint64_t)handle, allocator)) {                                      \
             state.current = #CALL;                                                                 \
-            CALL(device, handle, allocator);                                                       \
+            PASS_ON(device, handle, allocator);                                                    \
         }                                                                                          \
     }
-SHIM_DESTROY(destroy_buffer, vkDestroyBuffer, SHIM_BUFFER, VkBuffer)
-SHIM_DESTROY(destroy_descriptor_pool, vkDestroyDescriptorPool, SHIM_DESCRIPTOR_POOL,
-             VkDescriptorPool)
+SHIM_DESTROY(destroy_buffer, vkDestroyBuffer, vkDestroyBuffer, SHIM_BUFFER, VkBuffer)
+SHIM_DESTROY(destroy_descriptor_pool, vkDestroyDescriptorPool, vkDestroyDescriptorPool,
+             SHIM_DESCRIPTOR_POOL, VkDescriptorPool)
 SHIM_DESTROY(destroy_descriptor_set_layout, vkDestroyDescriptorSetLayout,
-             SHIM_DESCRIPTOR_SET_LAYOUT, VkDescriptorSetLayout)
-SHIM_DESTROY(destroy_pipeline, vkDestroyPipeline, SHIM_PIPELINE, VkPipeline)
-SHIM_DESTROY(destroy_pipeline_layout, vkDestroyPipelineLayout, SHIM_PIPELINE_LAYOUT,
-             VkPipelineLayout)
-SHIM_DESTROY(destroy_shader_module, vkDestroyShaderModule, SHIM_SHADER_MODULE, VkShaderModule)
-SHIM_DESTROY(free_memory, vkFreeMemory, SHIM_MEMORY, VkDeviceMemory)
+             store_destroy_descriptor_set_layout, SHIM_DESCRIPTOR_SET_LAYOUT,
+             VkDescriptorSetLayout)
+SHIM_DESTROY(destroy_pipeline, vkDestroyPipeline, store_destroy_pipeline, SHIM_PIPELINE, VkPipeline)
+SHIM_DESTROY(destroy_pipeline_layout, vkDestroyPipelineLayout, store_destroy_pipeline_layout,
+             SHIM_PIPELINE_LAYOUT, VkPipelineLayout)
+SHIM_DESTROY(destroy_shader_module, vkDestroyShaderModule, store_destroy_shader_module,
+             SHIM_SHADER_MODULE, VkShaderModule)
+SHIM_DESTROY(free_memory, vkFreeMemory, vkFreeMemory, SHIM_MEMORY, VkDeviceMemory)
 
 static VKAPI_ATTR VkResult VKAPI_CALL create_buffer(VkDevice device, const VkBufferCreateInfo *info,
                                                     const VkAllocationCallbacks *allocator,
@@ -547,7 +557,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_descriptor_set_layout(
     }
     at_most(call, "storage buffers a stage", storage,
             shim_required_limits.maxPerStageDescriptorStorageBuffers);
-    result = vkCreateDescriptorSetLayout(device, info, allocator, layout);
+    result = store_create_descriptor_set_layout(device, info, allocator, layout);
     if (result == VK_SUCCESS) {
         object *made = add(call, SHIM_DESCRIPTOR_SET_LAYOUT, (uint64_t)*layout, allocator);
         made->storage_buffers = storage;
@@ -579,7 +589,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_pipeline_layout(VkDevice device,
         at_most(call, "bytes of push constants", (uint64_t)range->offset + range->size,
                 most->maxPushConstantsSize);
     }
-    result = vkCreatePipelineLayout(device, info, allocator, layout);
+    result = store_create_pipeline_layout(device, info, allocator, layout);
     if (result == VK_SUCCESS) {
         add(call, SHIM_PIPELINE_LAYOUT, (uint64_t)*layout, allocator);
     }
@@ -592,7 +602,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_shader_module(VkDevice device,
                                                            VkShaderModule *module) {
     SHIM_FAIL("vkCreateShaderModule", VK_ERROR_UNKNOWN, module)
     check_shader(info);
-    result = vkCreateShaderModule(device, info, allocator, module);
+    result = store_create_shader_module(device, info, allocator, module);
     if (result == VK_SUCCESS) {
         add("vkCreateShaderModule", SHIM_SHADER_MODULE, (uint64_t)*module, allocator);
     }
@@ -610,7 +620,9 @@ create_compute_pipelines(VkDevice device, VkPipelineCache cache, uint32_t count,
         }
         return result;
     }
-    result = vkCreateComputePipelines(device, cache, count, infos, allocator, pipelines);
+    result = state.share_pipelines
+                 ? store_create_compute_pipelines(device, cache, count, infos, allocator, pipelines)
+                 : vkCreateComputePipelines(device, cache, count, infos, allocator, pipelines);
     for (uint32_t n = 0; n < count; ++n) {
         if (pipelines[n]) {
             state.without_cache += cache == VK_NULL_HANDLE;

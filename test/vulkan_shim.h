@@ -18,8 +18,12 @@
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL shim_get_instance_proc_addr(VkInstance instance,
                                                                      const char *name);
 
-// Forgets everything: no object, no breach, no fault, the device's own limits.
+// Forgets everything: no object, no breach, no fault, the device's own limits, pipelines made anew.
 void shim_reset(void);
+
+// Pipelines come from pipeline_store.h. They count as made and destroyed all the same, but the
+// driver compiles the first of a kind alone, and allocates for none through the callbacks.
+void shim_share_pipelines(bool on);
 
 // --- Objects -------------------------------------------------------------------------------------
 
