@@ -18,7 +18,7 @@
 #define TRANSFORMS 3
 #define MAX_SEGMENTS 16
 #define MAX_SPLITS 200000u
-#define MAX_SPLIT_TRIANGLES 1000000u
+#define MAX_SPLIT_TRIANGLES 300000u
 
 static const girih_mesh *meshes[MESHES];
 static gpu device;   // with every feature that girih asks for
