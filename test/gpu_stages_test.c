@@ -543,192 +543,16 @@ static void splits_linear_workgroup_few(void **state) {
     run_splits((gpu_variant){.linear = 1, .sort = GIRIH_SORT_WORKGROUP, .few_buffers = 1});
 }
 
-// --- The sort alone, on keys of the test's own
-// ---------------------------------------------------------
+// --- Many groups
+// -----------------------------------------------------------------------------------------
 
 #define MATERIALS 64
-
-// Separate triangles, dealt out evenly to as many submeshes as there are materials.
-static const girih_mesh *make_materials(uint32_t triangles) {
-    const uint32_t vertices = 3 * triangles;
-    float *positions = malloc(((size_t)vertices * 5 + 5) * sizeof *positions);
-    uint32_t *indices = malloc(((size_t)vertices + 1) * sizeof *indices);
-    assert_true(positions && indices);
-    float *attributes = positions + (size_t)vertices * 3;
-    uint64_t state = 4711;
-    for (uint32_t n = 0; n < vertices; ++n) {
-        indices[n] = n;
-        for (int axis = 0; axis < 3; ++axis) {
-            positions[3 * (size_t)n + (size_t)axis] = draw_float(&state, -1.0f, 1.0f);
-        }
-        attributes[2 * (size_t)n] = draw_float(&state, 0.0f, 1.0f);
-        attributes[2 * (size_t)n + 1] = 0.5f;
-    }
-    girih_submesh submeshes[MATERIALS];
-    for (uint32_t n = 0; n < MATERIALS; ++n) {
-        const uint32_t first = (uint32_t)((uint64_t)triangles * n / MATERIALS);
-        const uint32_t end = (uint32_t)((uint64_t)triangles * (n + 1) / MATERIALS);
-        // Materials against the order of the triangles, so that the sort has them to move.
-        submeshes[n] = (girih_submesh){.first_index = 3 * first,
-                                       .index_count = 3 * (end - first),
-                                       .material = MATERIALS - 1 - n};
-    }
-    const girih_mesh_desc desc = {.name = "materials",
-                                  .vertex_count = vertices,
-                                  .positions = positions,
-                                  .attributes = attributes,
-                                  .attribute_floats = 2,
-                                  .indices = indices,
-                                  .index_count = vertices,
-                                  .submeshes = submeshes,
-                                  .submesh_count = MATERIALS,
-                                  .missing_normals = GIRIH_NORMALS_FLAT};
-    const girih_mesh *mesh;
-    girih_error error = {GIRIH_OK, ""};
-    assert_ok(girih_mesh_create(&desc, &mesh, &error), &error);
-    free(positions);
-    free(indices);
-    return mesh;
-}
-
-typedef enum key_kind { KEYS_RANDOM, KEYS_EQUAL, KEYS_FALLING, KEYS_CULLED, KEY_KINDS } key_kind;
-
-static void draw_keys(uint32_t *keys, uint32_t count, uint32_t groups, key_kind kind) {
-    uint64_t state = 77 + count;
-    for (uint32_t n = 0; n < count; ++n) {
-        const uint32_t random = draw_number(&state);
-        switch (kind) {
-        case KEYS_RANDOM:
-            keys[n] = random % 11 == 0 ? GIRIH_KEY_CULLED : random % groups << 3 | (random >> 29);
-            break;
-        case KEYS_EQUAL:
-            keys[n] = (groups - 1) << 3 | (n & 7);
-            break;
-        case KEYS_FALLING:
-            keys[n] = (groups - 1 - n % groups) << 3;
-            break;
-        default:
-            keys[n] = GIRIH_KEY_CULLED;
-            break;
-        }
-    }
-}
-
-// Runs the group stage alone on keys written into the plan.
-static void sort_keys(girih_plan *plan, key_kind kind) {
-    const girih_arrays *arrays = &plan->arrays;
-    const uint32_t count = arrays->frame.triangle_count;
-    const VkDeviceSize key_bytes = arrays->count[GIRIH_BIND_KEYS] * 4;
-    gpu_buffer keys = gpu_create_buffer(&device, key_bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true);
-    draw_keys(keys.mapped, count, arrays->frame.group_count, kind);
-    const girih_buffer *work = &plan->buffers[GIRIH_PLAN_WORK];
-    VkCommandBuffer commands = gpu_begin(&device);
-    const VkBufferCopy copy = {.dstOffset = plan->offset[GIRIH_BIND_KEYS], .size = key_bytes};
-    vkCmdCopyBuffer(commands, keys.buffer, work->buffer, 1, &copy);
-    vkCmdUpdateBuffer(commands, work->buffer, plan->frame_offset, sizeof arrays->frame,
-                      &arrays->frame);
-    vkCmdFillBuffer(commands, work->buffer, plan->offset[GIRIH_BIND_GROUPS],
-                    arrays->count[GIRIH_BIND_GROUPS] * 4, 0);
-    vkCmdFillBuffer(commands, work->buffer, plan->offset[GIRIH_BIND_STATUS],
-                    arrays->count[GIRIH_BIND_STATUS] * 4, 0);
-    girih_barrier(plan->context, commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
-                  VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                  VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
-                      VK_ACCESS_UNIFORM_READ_BIT);
-    girih_bind_set(plan, commands, 0);
-    girih_record_group(plan, commands);
-    gpu_run(&device, commands);
-
-    const uint64_t group_words = arrays->count[GIRIH_BIND_GROUPS];
-    uint32_t status[GIRIH_STATUS_WORDS] = {0};
-    girih_arrays twin = {.frame = arrays->frame};
-    twin.words[GIRIH_BIND_KEYS] = keys.mapped;
-    twin.words[GIRIH_BIND_ITEMS] = malloc((size_t)arrays->count[GIRIH_BIND_ITEMS] * 4);
-    twin.words[GIRIH_BIND_GROUPS] = malloc((size_t)group_words * 4);
-    twin.words[GIRIH_BIND_STATUS] = status;
-    twin.count[GIRIH_BIND_GROUPS] = group_words;
-    girih_error error = {GIRIH_OK, ""};
-    assert_ok(girih_twin_group(&twin, &error), &error);
-    const uint64_t item_words = (uint64_t)status[GIRIH_STATUS_ITEMS] * GIRIH_ITEM_WORDS;
-    uint32_t *words =
-        gpu_read(&device, work->buffer, plan->offset[GIRIH_BIND_ITEMS], item_words * 4);
-    assert_words("items", words, twin.words[GIRIH_BIND_ITEMS], item_words);
-    free(words);
-    words = gpu_read(&device, work->buffer, plan->offset[GIRIH_BIND_GROUPS], group_words * 4);
-    assert_words("groups", words, twin.words[GIRIH_BIND_GROUPS], group_words);
-    free(words);
-    words = gpu_read(&device, work->buffer, plan->offset[GIRIH_BIND_STATUS], 4);
-    assert_words("item count", words, status, 1);
-    free(words);
-    free(twin.words[GIRIH_BIND_ITEMS]);
-    free(twin.words[GIRIH_BIND_GROUPS]);
-    gpu_destroy_buffer(&device, &keys);
-}
-
-// Sorts `copies` instances of a mesh of `triangles` triangles.
-static void sort_triangles(const girih_context *context, uint32_t triangles, uint32_t copies,
-                           key_kind kinds) {
-    const girih_mesh *mesh = make_materials(triangles);
-    assert_int_equal(mesh->triangle_count, triangles);
-    girih_scene *scene = gpu_scene(&device, context, &mesh, 1);
-    girih_instance *instances = calloc(copies, sizeof *instances);
-    assert_non_null(instances);
-    // The patches are never written, so their room stays address space.
-    const girih_plan_desc desc = {.scene = scene,
-                                  .instances = instances,
-                                  .instance_count = copies,
-                                  .mode = GIRIH_MODE_INSTANCED,
-                                  .outputs = GIRIH_OUTPUT_NO_DRAW};
-    girih_plan *plan;
-    girih_error error = {GIRIH_OK, ""};
-    assert_ok(girih_plan_create(context, &desc, &plan, &error), &error);
-    free(instances);
-    set_apart(plan);
-    for (key_kind kind = KEYS_RANDOM; kind < kinds; ++kind) {
-        snprintf(what, sizeof what, "%u triangles, %u groups, sort %s, few %d, keys %d",
-                 triangles * copies, plan->arrays.frame.group_count,
-                 context->serial_sort ? "serial" : "workgroup", context->few_buffers, (int)kind);
-        sort_keys(plan, kind);
-    }
-    girih_plan_destroy(plan);
-    girih_scene_destroy(scene);
-    girih_mesh_destroy(mesh);
-}
-
-static void sort_variant(gpu_variant variant, uint32_t most) {
-    static const uint32_t counts[] = {0, 1, 2, 127, 128, 129, 1023, 1024, 1025, 70000, 300000};
-    girih_context *context = gpu_variant_context(&device, variant);
-    for (size_t n = 0; n < sizeof counts / sizeof *counts; ++n) {
-        sort_triangles(context, counts[n], 1, KEY_KINDS);
-    }
-    if (most) {
-        sort_triangles(context, 10000, most / 10000, KEYS_EQUAL);
-    }
-    girih_context_destroy(context);
-}
-
-// 1,376 ranges of 816 base patterns times 64 materials: two passes of the sort.
-static void group_serial(void **state) {
-    (void)state;
-    sort_variant((gpu_variant){.linear = 1, .sort = GIRIH_SORT_SERIAL}, 10000000);
-}
-
-static void group_workgroup(void **state) {
-    (void)state;
-    sort_variant((gpu_variant){.linear = 1, .sort = GIRIH_SORT_WORKGROUP}, 1000000);
-}
-
-static void group_few_buffers(void **state) {
-    (void)state;
-    sort_variant((gpu_variant){.linear = 0, .sort = GIRIH_SORT_SERIAL, .few_buffers = 1}, 0);
-    sort_variant((gpu_variant){.linear = 1, .sort = GIRIH_SORT_WORKGROUP, .few_buffers = 1}, 0);
-}
 
 // A whole frame of many triangles in many groups.
 static void many_groups(void **state) {
     (void)state;
     girih_context *context = gpu_variant_context(&device, (gpu_variant){.linear = 1});
-    const girih_mesh *mesh = make_materials(300000);
+    const girih_mesh *mesh = make_materials(300000, MATERIALS);
     const placement placed = {
         .mesh_count = 1, .meshes = &mesh, .instances = &once, .instance_count = 1};
     setting shared = begin_setting(context, girih_catalogue_linear(), placed);
@@ -784,12 +608,15 @@ int main(void) {
     meshes[8] = make_soup(67, 0, 6);
     place_crowd();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(dyadic_serial),        cmocka_unit_test(linear_workgroup_few),
-        cmocka_unit_test(linear_serial),        cmocka_unit_test(dyadic_workgroup_few),
-        cmocka_unit_test(dyadic_workgroup),     cmocka_unit_test(linear_serial_few),
-        cmocka_unit_test(group_serial),         cmocka_unit_test(group_workgroup),
-        cmocka_unit_test(group_few_buffers),    cmocka_unit_test(many_groups),
-        cmocka_unit_test(splits_dyadic_serial), cmocka_unit_test(splits_linear_workgroup_few),
+        cmocka_unit_test(dyadic_serial),
+        cmocka_unit_test(linear_workgroup_few),
+        cmocka_unit_test(linear_serial),
+        cmocka_unit_test(dyadic_workgroup_few),
+        cmocka_unit_test(dyadic_workgroup),
+        cmocka_unit_test(linear_serial_few),
+        cmocka_unit_test(many_groups),
+        cmocka_unit_test(splits_dyadic_serial),
+        cmocka_unit_test(splits_linear_workgroup_few),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     for (int n = 0; n < MESHES; ++n) {

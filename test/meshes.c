@@ -407,3 +407,49 @@ const girih_mesh *make_nothing(void) {
     builder b = begin(0, 0);
     return finish(&b, "nothing", NULL, 0);
 }
+
+const girih_mesh *make_materials(uint32_t triangles, uint32_t materials) {
+    const uint32_t vertices = 3 * triangles;
+    float *positions = malloc(((size_t)vertices * 5 + 5) * sizeof *positions);
+    uint32_t *indices = malloc(((size_t)vertices + 1) * sizeof *indices);
+    assert_true(positions && indices);
+    float *attributes = positions + (size_t)vertices * 3;
+    uint64_t state = 4711;
+    for (uint32_t n = 0; n < vertices; ++n) {
+        indices[n] = n;
+        for (int axis = 0; axis < 3; ++axis) {
+            positions[3 * (size_t)n + (size_t)axis] = draw_float(&state, -1.0f, 1.0f);
+        }
+        attributes[2 * (size_t)n] = draw_float(&state, 0.0f, 1.0f);
+        attributes[2 * (size_t)n + 1] = 0.5f;
+    }
+    girih_submesh *submeshes = calloc(materials, sizeof *submeshes);
+    assert_non_null(submeshes);
+    for (uint32_t n = 0; n < materials; ++n) {
+        const uint32_t first = (uint32_t)((uint64_t)triangles * n / materials);
+        const uint32_t end = (uint32_t)((uint64_t)triangles * (n + 1) / materials);
+        // Materials against the order of the triangles, so that the sort has them to move.
+        submeshes[n] = (girih_submesh){.first_index = 3 * first,
+                                       .index_count = 3 * (end - first),
+                                       .material = materials - 1 - n};
+    }
+    const girih_mesh_desc desc = {.name = "materials",
+                                  .vertex_count = vertices,
+                                  .positions = positions,
+                                  .attributes = attributes,
+                                  .attribute_floats = 2,
+                                  .indices = indices,
+                                  .index_count = vertices,
+                                  .submeshes = submeshes,
+                                  .submesh_count = materials,
+                                  .missing_normals = GIRIH_NORMALS_FLAT};
+    const girih_mesh *mesh;
+    girih_error error = {GIRIH_OK, ""};
+    if (girih_mesh_create(&desc, &mesh, &error) != GIRIH_OK) {
+        fail_msg("%s: %s", desc.name, error.message);
+    }
+    free(submeshes);
+    free(positions);
+    free(indices);
+    return mesh;
+}

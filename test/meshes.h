@@ -48,6 +48,9 @@ const girih_mesh *make_needle(float length);
 // triangle has vertices of its own, with the same normals and attributes.
 const girih_mesh *make_copy(const girih_mesh *mesh, const float *positions, int apart, int dynamic);
 
+// Separate random triangles, dealt out evenly to as many submeshes as there are materials.
+const girih_mesh *make_materials(uint32_t triangles, uint32_t materials);
+
 // No triangle at all.
 const girih_mesh *make_nothing(void);
 
