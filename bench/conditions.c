@@ -47,7 +47,7 @@ static const float standing = 0.0f;
 static const float moving = 0.01f;
 static const uint32_t level_3 = 3;
 
-#define MOST_METHODS 5u
+#define MOST_METHODS 6u
 
 static const struct condition {
     const char *name;
@@ -78,7 +78,7 @@ static const struct condition {
      GIRIH_SURFACE_PN,
      seen_from,
      &moving,
-     {&bench_static, &bench_girih, &bench_girih_baked, &bench_girih_instanced}},
+     {&bench_static, &bench_girih, &bench_girih_baked, &bench_girih_instanced, &bench_girih_splits}},
     {"a view that stands",
      5,
      false,
@@ -100,7 +100,7 @@ static const struct condition {
      bench_random_frame,
      &level_3,
      {&bench_static, &bench_girih, &bench_girih_baked, &bench_girih_instanced,
-      &bench_girih_displaced}},
+      &bench_girih_displaced, &bench_girih_splits}},
 };
 
 static girih_result run_condition(const bench_run *run, bench_target *target,

@@ -26,6 +26,7 @@ girih_result bench_dmr_look(void *state, bench_dmr_audit *audit, girih_error *er
 // girih itself: all stages and the draw, each frame.
 extern const bench_method bench_girih; // the mode that it chooses
 extern const bench_method bench_girih_baked;
+extern const bench_method bench_girih_splits;
 extern const bench_method bench_girih_welded;
 extern const bench_method bench_girih_instanced;
 extern const bench_method bench_girih_built_in;  // with another catalogue than the job's

@@ -105,8 +105,8 @@ void girih_pack_transform(uint32_t *record, const float transform[12], const flo
 girih_result girih_pack_frame(girih_arrays *arrays, const girih_frame *frame, girih_error *error);
 
 // The level that is left to the parts of an edge of this level when it is split: half of the levels
-// (linear: about the root of the segments, which are a power of two), or more where the catalogue
-// cannot split so finely.
+// (linear: about the root of the segments, but 8; a power of two), or more where the catalogue cannot
+// split so finely.
 uint32_t girih_rest_level(const girih_frame_block *frame, uint32_t level);
 
 // Passes of the sort, and how many bits of the group number each takes.

@@ -17,7 +17,7 @@ enum {
 #undef GIRIH_SHADER_ID
 
 // Variants of one shader: at most six of the bits of GIRIH_VARIANT_* concern it.
-#define GIRIH_MAX_VARIANTS 128
+#define GIRIH_MAX_VARIANTS 256
 
 // A range of a buffer: girih's own, with memory of its own, or a part of the host's.
 typedef struct girih_buffer {
@@ -205,6 +205,8 @@ uint32_t girih_evaluate_shader(const girih_plan *plan);
 // Whether corners and edges are evaluated apart from the triangles, once each, where nothing is
 // culled.
 bool girih_evaluates_borders(const girih_plan *plan);
+// Whether the parts of split triangles are evaluated apart from the triangles that are not split.
+bool girih_evaluates_parts(const girih_plan *plan);
 uint32_t girih_edges_shader(const girih_plan *plan);
 // Whether the host's surface is evaluated in buffers, by its program's pipeline.
 bool girih_evaluates_own_points(const girih_plan *plan);

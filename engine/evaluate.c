@@ -20,6 +20,11 @@ bool girih_evaluates_borders(const girih_plan *plan) {
     return plan->mode == GIRIH_MODE_WELDED && plan->surface != GIRIH_SURFACE_OWN;
 }
 
+bool girih_evaluates_parts(const girih_plan *plan) {
+    return plan->arrays.frame.max_splits > 0 && plan->mode != GIRIH_MODE_INSTANCED &&
+           plan->surface != GIRIH_SURFACE_OWN;
+}
+
 uint32_t girih_edges_shader(const girih_plan *plan) {
     return plan->surface == GIRIH_SURFACE_PN ? GIRIH_SHADER_evaluate_edges_pn
                                              : GIRIH_SHADER_evaluate_edges_flat;
@@ -64,5 +69,10 @@ void girih_record_evaluate(const girih_plan *plan, VkCommandBuffer commands) {
         }
         girih_dispatch_items(plan, commands,
                              borders ? GIRIH_STATUS_INTERIOR : GIRIH_STATUS_EVALUATE);
+        if (girih_evaluates_parts(plan)) {
+            girih_bind_pipeline(plan, commands, girih_evaluate_shader(plan),
+                                cull | GIRIH_VARIANT_PARTS);
+            girih_dispatch_items(plan, commands, GIRIH_STATUS_PARTS);
+        }
     }
 }

@@ -22,7 +22,7 @@ static const shader_code shaders[GIRIH_SHADER_COUNT][2] = {
 #undef GIRIH_SHADER_CODE
 };
 
-// The bits of a variant that concern a shader: at most seven, so that GIRIH_MAX_VARIANTS slots do.
+// The bits of a variant that concern a shader: at most eight, so that GIRIH_MAX_VARIANTS slots do.
 static uint32_t variant_mask(uint32_t shader) {
     switch (shader) {
     case GIRIH_SHADER_levels:
@@ -49,7 +49,7 @@ static uint32_t variant_mask(uint32_t shader) {
     case GIRIH_SHADER_evaluate_points_pn:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES |
                GIRIH_VARIANT_CULL | GIRIH_VARIANT_WELDED | GIRIH_VARIANT_DYNAMIC |
-               GIRIH_VARIANT_SPLITS;
+               GIRIH_VARIANT_SPLITS | GIRIH_VARIANT_PARTS;
     case GIRIH_SHADER_evaluate_edges_flat:
     case GIRIH_SHADER_evaluate_edges_pn:
         return GIRIH_VARIANT_INSTANCES | GIRIH_VARIANT_SEAMS | GIRIH_VARIANT_ATTRIBUTES |

@@ -124,6 +124,7 @@ girih_result girih_plan_need_pipelines(const girih_plan *plan, girih_error *erro
          apart && plan->mode != GIRIH_MODE_INSTANCED && frame->draws_per_material},
         {own_points ? 0 : girih_evaluate_shader(plan), 0, !own_points},
         {girih_evaluate_shader(plan), GIRIH_VARIANT_CULL, girih_evaluates_borders(plan)},
+        {girih_evaluate_shader(plan), GIRIH_VARIANT_PARTS, girih_evaluates_parts(plan)},
         {GIRIH_SHADER_evaluate_corners, 0, girih_evaluates_borders(plan)},
         {girih_edges_shader(plan), 0, girih_evaluates_borders(plan)},
         {GIRIH_SHADER_output_lists, lists << GIRIH_VARIANT_OUTPUT_SHIFT, lists && !few},

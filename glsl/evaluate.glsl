@@ -6,6 +6,9 @@
 #ifndef GIRIH_EVALUATE_GLSL
 #define GIRIH_EVALUATE_GLSL
 
+#if GIRIH_SURFACE != 2 && GIRIH_KERNEL == 1
+#define GIRIH_PARTS_APART
+#endif
 #include "patch.glsl"
 #if GIRIH_SURFACE == 2 && GIRIH_KERNEL == 1
 #include "own.glsl"
@@ -151,9 +154,22 @@ void main() {
     bool interior = girih_has(GIRIH_VARIANT_WELDED) && !by_items;
     uint number;
     uint chunk;
-    bool there = girih_work(girih_interleaved_invocation(), interior ? GIRIH_AT_STATUS(GIRIH_STATUS_FIRST_INTERIOR) : 0u,
-                            number, chunk);
+    bool parts = girih_has(GIRIH_VARIANT_PARTS);
+    bool there;
+    if (parts) {
+        // All vertices of a part: its levels are about half of the triangle's.
+        uint part = girih_invocation();
+        there = part < GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS);
+        uint item = GIRIH_AT_SPLIT_FOURS((there ? part : 0u) * (GIRIH_SPLIT_WORDS / 4u))[GIRIH_SPLIT_ITEM];
+        there = there && item != 0u;
+        number = max(item, 1u) - 1u;
+        chunk = 0u;
+    } else {
+        there = girih_work(girih_interleaved_invocation(),
+                           interior ? GIRIH_AT_STATUS(GIRIH_STATUS_FIRST_INTERIOR) : 0u, number, chunk);
+    }
     GirihItem item = girih_read_item(number, overflow);
+    there = there && item.is_part == parts;
     uvec4 work = girih_group_work(item.group);
     uint count = work[0];
     uint pattern_vertex = work[GIRIH_GROUP_PATTERN_VERTEX - GIRIH_GROUP_VERTICES];
@@ -161,7 +177,7 @@ void main() {
     uint border = interior ? girih_group(item.group, GIRIH_GROUP_INTERIOR) : 0u;
     uint first = work[GIRIH_GROUP_BASE_VERTEX - GIRIH_GROUP_VERTICES] + number * (count - border) - border;
     uint begin = chunk * GIRIH_CHUNK_VERTICES;
-    uint end = there ? min(begin + GIRIH_CHUNK_VERTICES, count) : 0u;
+    uint end = there ? parts ? count : min(begin + GIRIH_CHUNK_VERTICES, count) : 0u;
     uint vertices[3];
     girih_item_vertices(item, vertices);
     GirihWeld weld;
@@ -169,8 +185,7 @@ void main() {
         weld = girih_item_weld(item, vertices, work, girih_group_shape(item.group), false);
     }
     GirihPatch p = girih_item_patch(item, vertices);
-    bool splits = girih_has(GIRIH_VARIANT_SPLITS);
-    if (!interior && !splits) {
+    if (!interior && !parts) {
         // The corners need no formula.
         vec3 corners[3] = vec3[3](p.b300, p.b030, p.b003);
         vec3 normals[3] = vec3[3](p.n200, p.n020, p.n002);
@@ -183,12 +198,12 @@ void main() {
             }
         }
     }
-    uint n = max(begin, splits ? border : max(border, 3u));
+    uint n = max(begin, parts ? border : max(border, 3u));
     do {
         uint vertex = by_items ? girih_weld_vertex(weld, n) : first + n;
         if (n < end && girih_in_window(vertex)) {
             uvec3 weights = girih_pattern_weights(pattern_vertex + n);
-            vec3 b = splits ? girih_root_barycentric(girih_item_weights(item, weights)) : girih_barycentric(weights);
+            vec3 b = parts ? girih_root_barycentric(girih_item_weights(item, weights)) : girih_barycentric(weights);
             girih_write_point(vertex, vertices, b, girih_patch_position(p, b.x, b.y, b.z),
                               girih_patch_unit_normal(p, b.x, b.y, b.z));
         }

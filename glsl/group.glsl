@@ -62,6 +62,11 @@ void place(uint n, uint key, uint target) {
         GIRIH_AT_ITEMS_SPARE(target) = item;
     } else {
         GIRIH_AT_ITEMS(target) = item;
+        // Of several passes the last one's stays.
+        if (girih_has(GIRIH_VARIANT_SPLITS) && item[GIRIH_ITEM_TRIANGLE] >= girih_frame.triangle_count) {
+            uint part = item[GIRIH_ITEM_TRIANGLE] - girih_frame.triangle_count;
+            GIRIH_AT_SPLIT_FOURS(part * (GIRIH_SPLIT_WORDS / 4u))[GIRIH_SPLIT_ITEM] = target + 1u;
+        }
     }
 }
 

@@ -41,7 +41,14 @@ GirihItem girih_read_item(uint number, bool overflow) {
     uint key = words[GIRIH_ITEM_KEY];
     item.is_part = girih_has(GIRIH_VARIANT_SPLITS) && triangle >= girih_frame.triangle_count;
     uint four = (triangle - girih_frame.triangle_count) * (GIRIH_SPLIT_WORDS / 4u);
+#ifdef GIRIH_PARTS_APART
+    // One branch for both would have a CPU device walk through both for every vertex.
+    bool parts = girih_has(GIRIH_VARIANT_PARTS);
+    triangle = item.is_part && !parts ? 0u : triangle;
+    if (parts) {
+#else
     if (item.is_part) {
+#endif
         uvec4 about = GIRIH_AT_SPLIT_FOURS(four);
         triangle = about[GIRIH_SPLIT_ROOT];
         item.part = girih_unpack_part(GIRIH_AT_SPLIT_FOURS(four + 1u), GIRIH_AT_SPLIT_FOURS(four + 2u).xy);

@@ -126,6 +126,7 @@
 #define GIRIH_SPLIT_WORDS 12
 #define GIRIH_SPLIT_ROOT 0             // the plan's triangle that it is a part of
 #define GIRIH_SPLIT_LEVELS 1           // of edges 1 and 2, 16 bits each; of edge 3, and GIRIH_SPLIT_FIRST
+#define GIRIH_SPLIT_ITEM 3             // one more than its item; 0: it has none
 #define GIRIH_SPLIT_CORNERS 4          // of each corner the weights of the root's corners 1 and 2, 24 bits each, and
                                        // above them 8 bits each of the segments, less one, of a root's edge
 
@@ -137,6 +138,7 @@
 #define GIRIH_SPLIT_UNIT 256u          // of a pattern's weight in a root's
 #define GIRIH_SPLIT_ONE 0x800000u
 #define GIRIH_SPLIT_MOST_SEGMENTS 64u  // that an edge is split into at once: a lane's turns are counted
+#define GIRIH_SPLIT_LEAST_SEGMENTS 8u  // linear: that are left to a part: very small parts cost more than they do
 #define GIRIH_SPLIT_MOST_PARTS 0x40000000u // that are counted
 #define GIRIH_MOST_SEGMENTS 32768u     // of an edge: one to a unit of a pattern's weights
 
@@ -172,7 +174,7 @@
 #define GIRIH_GROUP_MIRRORED 0x80000000u // uses its pattern's mirrored range
 
 // --- Status: what the host may read after a frame ---------------------------------------------------
-#define GIRIH_STATUS_WORDS 40
+#define GIRIH_STATUS_WORDS 44
 #define GIRIH_STATUS_ITEMS 0            // triangles that were not culled
 #define GIRIH_STATUS_CLAMPED 1          // edges that asked for more than the catalogue holds
 #define GIRIH_STATUS_FLAGS 2
@@ -196,6 +198,7 @@
 #define GIRIH_SPLIT_PASS_FIRST 3        // what the pass may have to split: first part and end
 #define GIRIH_SPLIT_PASS_END 4
 #define GIRIH_SPLIT_PASS_WORDS 5
+#define GIRIH_STATUS_PARTS 38           // VkDispatchIndirectCommand of evaluate, one invocation a part
 
 #define GIRIH_STATUS_OVERFLOW 1u        // the frame was drawn at level 0 because it did not fit
 #define GIRIH_STATUS_SPLIT_OVERFLOW 2u  // the parts found no room
@@ -294,6 +297,7 @@
 #define GIRIH_VARIANT_MATERIALS 1024u   // not every triangle of the scene has material 0 and one side
 #define GIRIH_VARIANT_OUTPUT_SHIFT 11u  // output: the index lists that are written, GIRIH_OUTPUT_BIT_*
 #define GIRIH_VARIANT_SPLITS 16384u     // triangles may be split
+#define GIRIH_VARIANT_PARTS 32768u      // evaluate: the parts alone; without it, where both have kernels, all but them
 
 // --- Modes and workgroups -----------------------------------------------------------------------------
 #define GIRIH_OUTPUT_INSTANCED 0u

@@ -72,7 +72,7 @@ Whole read_whole(uint number) {
 }
 
 // The level that is left to the parts of an edge of this level: half of the levels (linear: about the root of the
-// segments, which are a power of two), or more where the catalogue cannot split so finely.
+// segments, but 8; a power of two), or more where the catalogue cannot split so finely.
 uint rest_level(uint level) {
     uint most = uint(GIRIH_SPLIT_MOST_SEGMENTS);
     if (girih_frame.linear_spacing == 0u) {
@@ -81,8 +81,9 @@ uint rest_level(uint level) {
     }
     uint coarse = min(girih_frame.level_count, most);
     uint segments = level + 1u;
-    uint least = (segments + coarse - 1u) / coarse;
-    return max(1u << (findMSB(segments) / 2), 1u << (findMSB(least - 1u) + 1)) - 1u;
+    uint least = 1u << findMSB(min(girih_frame.level_count, uint(GIRIH_SPLIT_LEAST_SEGMENTS)));
+    uint needed = (segments + coarse - 1u) / coarse;
+    return max(max(1u << (findMSB(segments) / 2), least), 1u << (findMSB(needed - 1u) + 1)) - 1u;
 }
 
 // How something is split.
@@ -180,6 +181,14 @@ uint add_parts(uint a, uint b) {
     return min(a + b, uint(GIRIH_SPLIT_MOST_PARTS));
 }
 
+void write_dispatch(uint field, uint invocations, uint size) {
+    uint workgroups = (invocations + size - 1u) / size;
+    uint rows = (workgroups + 65534u) / 65535u;
+    GIRIH_AT_STATUS(field) = rows > 1u ? 65535u : workgroups;
+    GIRIH_AT_STATUS(field + 1u) = rows;
+    GIRIH_AT_STATUS(field + 2u) = 1u;
+}
+
 // Each lane sums a run of blocks, the sums of the lanes before it are added, and it walks its run again to write.
 void main() {
     uint lane = gl_LocalInvocationID.x;
@@ -234,12 +243,9 @@ void main() {
         GIRIH_AT_STATUS(word) += lane_splits[girih_lanes - 1u];
     }
     uint next = girih_push.shift + 1u;
-    uint workgroups = (made - first + girih_lanes - 1u) / girih_lanes;
-    uint rows = (workgroups + 65534u) / 65535u;
-    GIRIH_AT_STATUS(pass_word(next, GIRIH_SPLIT_PASS_DISPATCH)) = rows > 1u ? 65535u : workgroups;
-    GIRIH_AT_STATUS(pass_word(next, GIRIH_SPLIT_PASS_DISPATCH + 1u)) = rows;
-    GIRIH_AT_STATUS(pass_word(next, GIRIH_SPLIT_PASS_DISPATCH + 2u)) = 1u;
+    write_dispatch(pass_word(next, GIRIH_SPLIT_PASS_DISPATCH), made - first, girih_lanes);
     GIRIH_AT_STATUS(pass_word(next, GIRIH_SPLIT_PASS_FIRST)) = first;
+    write_dispatch(GIRIH_STATUS_PARTS, overflow ? 0u : made, GIRIH_WORKGROUP);
     GIRIH_AT_STATUS(pass_word(next, GIRIH_SPLIT_PASS_END)) = made;
 }
 

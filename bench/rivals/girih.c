@@ -6,7 +6,9 @@
 
 #include "bench_shaders.h"
 
-enum { AUTO, BAKED, WELDED, INSTANCED, UNCHANGED };
+#define ROOM_FOR_SPLITS 65536u
+
+enum { AUTO, BAKED, WELDED, INSTANCED, UNCHANGED, SPLITS };
 
 typedef struct own {
     const bench_job *job;
@@ -89,7 +91,9 @@ static girih_result create(const bench_job *job, int variant, void **state, giri
                                     : variant == INSTANCED ? GIRIH_MODE_INSTANCED
                                                            : GIRIH_MODE_BAKED,
                             .max_vertices = 4 * job->room_triangles,
-                            .max_triangles = job->room_triangles};
+                            .max_triangles = job->room_triangles,
+                            .max_segments = variant == SPLITS ? 32768 : 0,
+                            .max_splits = ROOM_FOR_SPLITS};
     if (variant == AUTO) {
         desc.mode = girih_choose_mode(job->context, &desc, job->room_triangles);
     }
@@ -142,4 +146,6 @@ const bench_method bench_girih_baked = OWN("girih-baked", BAKED, NULL, bench_gir
 const bench_method bench_girih_welded = OWN("girih-welded", WELDED, NULL, bench_girih_prepare);
 const bench_method bench_girih_instanced =
     OWN("girih-instanced", INSTANCED, unfit_instanced, bench_girih_prepare);
+// Baked, with room for the parts of split triangles.
+const bench_method bench_girih_splits = OWN("girih-splits", SPLITS, NULL, bench_girih_prepare);
 const bench_method bench_girih_unchanged = OWN("girih-unchanged", UNCHANGED, NULL, NULL);

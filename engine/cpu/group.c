@@ -53,6 +53,11 @@ girih_result girih_twin_group(girih_arrays *arrays, girih_error *error) {
             uint32_t *item = items + (size_t)next[key >> 3]++ * GIRIH_ITEM_WORDS;
             item[GIRIH_ITEM_TRIANGLE] = n;
             item[GIRIH_ITEM_KEY] = key;
+            if (n >= frame->triangle_count) {
+                const size_t part = n - frame->triangle_count;
+                arrays->words[GIRIH_BIND_SPLITS][part * GIRIH_SPLIT_WORDS + GIRIH_SPLIT_ITEM] =
+                    (uint32_t)(item - items) / GIRIH_ITEM_WORDS + 1;
+            }
         }
     }
     arrays->words[GIRIH_BIND_STATUS][GIRIH_STATUS_ITEMS] = sum;

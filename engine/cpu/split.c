@@ -29,7 +29,11 @@ uint32_t girih_rest_level(const girih_frame_block *frame, uint32_t level) {
     }
     const uint32_t coarse = frame->level_count < most ? frame->level_count : most;
     const uint32_t segments = level + 1;
+    const uint32_t least = frame->level_count < GIRIH_SPLIT_LEAST_SEGMENTS
+                               ? 1u << last_bit(frame->level_count)
+                               : GIRIH_SPLIT_LEAST_SEGMENTS;
     uint32_t rest = 1u << last_bit(segments) / 2;
+    rest = rest < least ? least : rest;
     while (rest * coarse < segments) {
         rest *= 2;
     }
