@@ -278,8 +278,8 @@ static void choose_sort(girih_arrays *arrays, int serial_sort) {
     arrays->count[GIRIH_BIND_ITEMS_SPARE] = passes > 1 ? at_least(items, 1) : 1;
     const uint64_t split_blocks =
         frame->max_splits > 0
-            ? 2 * girih_ceiling_quotient(at_least(frame->triangle_count, frame->max_splits),
-                                         GIRIH_SPLIT_BLOCK)
+            ? girih_ceiling_quotient(at_least(frame->triangle_count, frame->max_splits),
+                                     GIRIH_SPLIT_BLOCK)
             : 0;
     arrays->count[GIRIH_BIND_COUNTERS] =
         at_least(((uint64_t)frame->sort_block_count + 1) << bits,

@@ -207,6 +207,7 @@ void dispatch_groups() {
     Sums sums = scan_lanes(sum_run(begin, end, range), total);
     uvec2 vertices = add_wide(total.vertices, border);
     uint no_parts = GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW;
+    no_parts |= GIRIH_AT_STATUS(GIRIH_STATUS_SPLIT_UNDONE) != 0u ? GIRIH_STATUS_SPLIT_OVERFLOW : 0u;
     bool level0 = no_parts != 0u || exceeds(total.triangles, girih_frame.max_triangles) ||
                   (girih_frame.output_mode != GIRIH_OUTPUT_INSTANCED && exceeds(vertices, girih_frame.max_vertices));
     if (lane == 0u) {

@@ -12,6 +12,7 @@
 
 void begin_pass() {
     pass = Pass(girih_push.shift, girih_push.bins, girih_push.first_pass != 0u, girih_push.to_spare != 0u);
+    find_parts();
 }
 
 #if GIRIH_KERNEL == 0 || GIRIH_KERNEL == 3

@@ -23,24 +23,28 @@ struct Pass {
 };
 Pass pass;
 
-// False where parts found no room: then all triangles are drawn as they are, at level 0.
-bool has_parts() {
-    return girih_has(GIRIH_VARIANT_SPLITS) &&
-           (GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW) == 0u;
+// False where there are none, and where they found no room: then all triangles are drawn as they are, at level 0.
+// Asked once: a CPU device pays for every load.
+bool parts_are_drawn = false;
+
+void find_parts() {
+    parts_are_drawn = girih_has(GIRIH_VARIANT_SPLITS) &&
+                      (GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW) == 0u &&
+                      GIRIH_AT_STATUS(GIRIH_STATUS_SPLIT_UNDONE) == 0u;
 }
 
 uint key_count() {
     if (!pass.first) {
         return GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS);
     }
-    return girih_frame.triangle_count + (has_parts() ? GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS) : 0u);
+    return girih_frame.triangle_count + (parts_are_drawn ? GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS) : 0u);
 }
 
 uint read_key(uint n) {
     if (pass.first) {
         uint key = GIRIH_AT_KEYS(n);
         if (girih_has(GIRIH_VARIANT_SPLITS) && key >= GIRIH_KEY_SPLIT && key != GIRIH_KEY_CULLED) {
-            return has_parts() ? GIRIH_KEY_CULLED : key ^ GIRIH_KEY_SPLIT;
+            return parts_are_drawn ? GIRIH_KEY_CULLED : key ^ GIRIH_KEY_SPLIT;
         }
         return key;
     }

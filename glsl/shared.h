@@ -174,7 +174,7 @@
 #define GIRIH_GROUP_MIRRORED 0x80000000u // uses its pattern's mirrored range
 
 // --- Status: what the host may read after a frame ---------------------------------------------------
-#define GIRIH_STATUS_WORDS 44
+#define GIRIH_STATUS_WORDS 52
 #define GIRIH_STATUS_ITEMS 0            // triangles that were not culled
 #define GIRIH_STATUS_CLAMPED 1          // edges that asked for more than the catalogue holds
 #define GIRIH_STATUS_FLAGS 2
@@ -194,11 +194,14 @@
 #define GIRIH_STATUS_SPLIT_ROOTS 26     // triangles of instances that are split
 #define GIRIH_STATUS_SPLIT_AGAIN 27     // parts that are split
 #define GIRIH_STATUS_SPLIT_PASS 28      // of even passes, then of odd ones: GIRIH_SPLIT_PASS_WORDS
-#define GIRIH_SPLIT_PASS_DISPATCH 0     // VkDispatchIndirectCommand
-#define GIRIH_SPLIT_PASS_FIRST 3        // what the pass may have to split: first part and end
-#define GIRIH_SPLIT_PASS_END 4
-#define GIRIH_SPLIT_PASS_WORDS 5
-#define GIRIH_STATUS_PARTS 38           // VkDispatchIndirectCommand of evaluate, one invocation a part
+#define GIRIH_SPLIT_PASS_MARKS 0        // VkDispatchIndirectCommand of what looks through the parts of the pass before
+#define GIRIH_SPLIT_PASS_SPLITS 3       // VkDispatchIndirectCommand of what goes through the list
+#define GIRIH_SPLIT_PASS_FIRST 6        // what the pass may have to split: first part and end
+#define GIRIH_SPLIT_PASS_END 7
+#define GIRIH_SPLIT_PASS_COUNT 8        // what it splits: numbers in the list
+#define GIRIH_SPLIT_PASS_WORDS 9
+#define GIRIH_STATUS_PARTS 46           // VkDispatchIndirectCommand of evaluate, one invocation a part
+#define GIRIH_STATUS_SPLIT_UNDONE 49    // parts that were to be split after the last pass: none should be
 
 #define GIRIH_STATUS_OVERFLOW 1u        // the frame was drawn at level 0 because it did not fit
 #define GIRIH_STATUS_SPLIT_OVERFLOW 2u  // the parts found no room

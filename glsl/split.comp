@@ -1,6 +1,9 @@
 // Between stages 2 and 3: triangles that ask for more segments than the catalogue holds are split by base patterns into
-// parts, pass by pass, until every part's levels are the catalogue's. A pass counts (GIRIH_KERNEL 0), by one workgroup
-// a block, sums the blocks (1), by one workgroup, and writes the parts (2), by one workgroup a block.
+// parts, pass by pass, until every part's levels are the catalogue's. A pass counts what select or the pass before has
+// marked (GIRIH_KERNEL 0, one lane a block of keys), sums the blocks (1, one workgroup), lists the marked ones in ITEMS,
+// which the sort has not begun to use (2); then it counts the parts of each that is listed (3, one workgroup a block of
+// the list), sums these (4, one workgroup) and writes the parts (5). Only 0 and 2 look at what is not split: a
+// CPU device runs whatever may be needed for every lane.
 //
 // Of the push constants `shift` is the number of the pass; the first splits triangles, each further one the parts that
 // the one before it made. `first_pass` marks the first, `to_spare` the last.
@@ -8,7 +11,11 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "shared.h"
+#if GIRIH_KERNEL == 0 || GIRIH_KERNEL == 2
+#define GIRIH_LOCAL_SIZE GIRIH_SCAN_WORKGROUP
+#else
 #define GIRIH_LOCAL_SIZE GIRIH_SPLIT_BLOCK
+#endif
 #include "key.glsl"
 #include "part.glsl"
 #include "level_rules.glsl"
@@ -31,7 +38,44 @@ uvec2 pass_range() {
                                               GIRIH_AT_STATUS(pass_word(girih_push.shift, GIRIH_SPLIT_PASS_END)));
 }
 
-#if GIRIH_KERNEL != 1
+// What the pass splits.
+uint list_count() {
+    return GIRIH_AT_STATUS(pass_word(girih_push.shift, GIRIH_SPLIT_PASS_COUNT));
+}
+
+#if GIRIH_KERNEL == 0 || GIRIH_KERNEL == 2
+
+bool is_marked(uint number) {
+    uint key = GIRIH_AT_KEYS(number);
+    return key >= GIRIH_KEY_SPLIT && key != GIRIH_KEY_CULLED;
+}
+
+void main() {
+    uvec2 range = pass_range();
+    uint block = girih_invocation();
+    uint first = range.x + block * GIRIH_SPLIT_BLOCK;
+    if (first >= range.y) {
+        return;
+    }
+    uint end = min(first + GIRIH_SPLIT_BLOCK, range.y);
+#if GIRIH_KERNEL == 0
+    uint count = 0u;
+    for (uint n = first; n < end; ++n) {
+        count += is_marked(n) ? 1u : 0u;
+    }
+    GIRIH_AT_COUNTERS(block) = count;
+#else
+    uint next = GIRIH_AT_COUNTERS(block);
+    for (uint n = first; n < end; ++n) {
+        if (is_marked(n)) {
+            GIRIH_AT_ITEMS(next)[GIRIH_ITEM_TRIANGLE] = n;
+            ++next;
+        }
+    }
+#endif
+}
+
+#elif GIRIH_KERNEL == 3 || GIRIH_KERNEL == 5
 
 // A triangle as its own only part, or a part.
 struct Whole {
@@ -118,28 +162,11 @@ Division choose_division(uvec3 levels) {
     return d;
 }
 
-// What lanes before this one split, and in all; by all lanes together.
-shared uint lane_ends[girih_lanes];
-
-void scan_parts(uint own) {
-    uint lane = gl_LocalInvocationID.x;
-    lane_ends[lane] = own;
-    barrier();
-    for (uint step = 1u; step < girih_lanes; step *= 2u) {
-        uint before = lane >= step ? lane_ends[lane - step] : 0u;
-        barrier();
-        lane_ends[lane] += before;
-        barrier();
-    }
-}
-
-// How many parts this lane's triangle or part is split into; 0: it is not.
-uint count_parts(uint number, uint end) {
-    uint key = number < end ? GIRIH_AT_KEYS(number) : GIRIH_KEY_CULLED;
-    if (key < GIRIH_KEY_SPLIT || key == GIRIH_KEY_CULLED) {
-        return 0u;
-    }
-    return girih_pattern(choose_division(read_whole(number).levels).rank, GIRIH_PATTERN_TRIANGLES);
+// How many parts place n of the list is split into.
+uint count_parts(uint n) {
+    uint number = GIRIH_AT_ITEMS(min(n, list_count() - 1u))[GIRIH_ITEM_TRIANGLE];
+    uint count = girih_pattern(choose_division(read_whole(number).levels).rank, GIRIH_PATTERN_TRIANGLES);
+    return n < list_count() ? count : 0u;
 }
 
 uint block_number() {
@@ -148,33 +175,27 @@ uint block_number() {
 
 #endif
 
-#if GIRIH_KERNEL == 0
+#if GIRIH_KERNEL == 3
 
-shared uint split_count;
+shared uint part_count;
 
 void main() {
-    uvec2 range = pass_range();
     uint block = block_number();
     uint lane = gl_LocalInvocationID.x;
     if (lane == 0u) {
-        split_count = 0u;
-    }
-    uint count = count_parts(range.x + block * girih_lanes + lane, range.y);
-    scan_parts(count);
-    if (count != 0u) {
-        atomicAdd(split_count, 1u);
+        part_count = 0u;
     }
     barrier();
-    if (lane == 0u && range.x + block * girih_lanes < range.y) {
-        GIRIH_AT_COUNTERS(2u * block) = lane_ends[girih_lanes - 1u];
-        GIRIH_AT_COUNTERS(2u * block + 1u) = split_count;
+    atomicAdd(part_count, count_parts(block * girih_lanes + lane));
+    barrier();
+    if (lane == 0u && block * girih_lanes < list_count()) {
+        GIRIH_AT_COUNTERS(block) = part_count;
     }
 }
 
-#elif GIRIH_KERNEL == 1
+#elif GIRIH_KERNEL == 1 || GIRIH_KERNEL == 4
 
-shared uint lane_parts[girih_lanes];
-shared uint lane_splits[girih_lanes];
+shared uint lane_sums[girih_lanes];
 
 // What is counted stays below 2^31, so that two can be added.
 uint add_parts(uint a, uint b) {
@@ -189,67 +210,83 @@ void write_dispatch(uint field, uint invocations, uint size) {
     GIRIH_AT_STATUS(field + 2u) = 1u;
 }
 
-// Each lane sums a run of blocks, the sums of the lanes before it are added, and it walks its run again to write.
-void main() {
+// Leaves in the blocks' counters how many come before each, from `first` on; returns how many there are in all. Each
+// lane sums a run of blocks, the sums of the lanes before it are added, and it walks its run again to write.
+uint sum_blocks(uint blocks, uint first) {
     uint lane = gl_LocalInvocationID.x;
-    uvec2 range = pass_range();
-    uint blocks = (range.y - range.x + girih_lanes - 1u) / girih_lanes;
     uint run = (blocks + girih_lanes - 1u) / girih_lanes;
     uint begin = min(lane * run, blocks);
     uint end = min(begin + run, blocks);
-    uint parts = 0u;
-    uint splits = 0u;
+    uint sum = 0u;
     for (uint block = begin; block < end; ++block) {
-        parts = add_parts(parts, GIRIH_AT_COUNTERS(2u * block));
-        splits += GIRIH_AT_COUNTERS(2u * block + 1u);
+        sum = add_parts(sum, GIRIH_AT_COUNTERS(block));
     }
-    lane_parts[lane] = parts;
-    lane_splits[lane] = splits;
+    lane_sums[lane] = sum;
     barrier();
     for (uint step = 1u; step < girih_lanes; step *= 2u) {
-        uint parts_before = lane >= step ? lane_parts[lane - step] : 0u;
-        uint splits_before = lane >= step ? lane_splits[lane - step] : 0u;
+        uint before = lane >= step ? lane_sums[lane - step] : 0u;
         barrier();
-        lane_parts[lane] = add_parts(lane_parts[lane], parts_before);
-        lane_splits[lane] += splits_before;
+        lane_sums[lane] = add_parts(lane_sums[lane], before);
         barrier();
     }
-    // The parts of a pass follow those of the pass before.
-    uint first = is_first() ? 0u : range.y - girih_frame.triangle_count;
-    uint offset = lane > 0u ? lane_parts[lane - 1u] : 0u;
+    uint offset = lane > 0u ? lane_sums[lane - 1u] : 0u;
     for (uint block = begin; block < end; ++block) {
-        uint count = GIRIH_AT_COUNTERS(2u * block);
-        GIRIH_AT_COUNTERS(2u * block) = first + offset;
+        uint count = GIRIH_AT_COUNTERS(block);
+        GIRIH_AT_COUNTERS(block) = first + offset;
         offset = add_parts(offset, count);
     }
-    if (lane != 0u) {
-        return;
+    return lane_sums[girih_lanes - 1u];
+}
+
+uint blocks_of(uint count) {
+    return (count + uint(GIRIH_SPLIT_BLOCK) - 1u) / uint(GIRIH_SPLIT_BLOCK);
+}
+
+#if GIRIH_KERNEL == 1
+
+void main() {
+    uvec2 range = pass_range();
+    uint count = sum_blocks(blocks_of(range.y - range.x), 0u);
+    if (gl_LocalInvocationID.x == 0u) {
+        uint word = pass_word(girih_push.shift, 0u);
+        GIRIH_AT_STATUS(word + GIRIH_SPLIT_PASS_COUNT) = count;
+        write_dispatch(word + GIRIH_SPLIT_PASS_SPLITS, count, GIRIH_SPLIT_BLOCK);
     }
-    uint made = add_parts(first, lane_parts[girih_lanes - 1u]);
-    bool overflow = made > girih_frame.max_splits;
-    if (!is_first() && (GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW) != 0u) {
-        return;
-    }
-    GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_SPLITS) = made;
-    if (overflow) {
-        GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) = GIRIH_STATUS_SPLIT_OVERFLOW;
-        GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS) = 0u;
-        GIRIH_AT_STATUS(GIRIH_STATUS_SPLIT_ROOTS) = 0u;
-        GIRIH_AT_STATUS(GIRIH_STATUS_SPLIT_AGAIN) = 0u;
-        made = first;
-    } else {
-        GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS) = made;
-        uint word = is_first() ? GIRIH_STATUS_SPLIT_ROOTS : GIRIH_STATUS_SPLIT_AGAIN;
-        GIRIH_AT_STATUS(word) += lane_splits[girih_lanes - 1u];
-    }
-    uint next = girih_push.shift + 1u;
-    write_dispatch(pass_word(next, GIRIH_SPLIT_PASS_DISPATCH), made - first, girih_lanes);
-    GIRIH_AT_STATUS(pass_word(next, GIRIH_SPLIT_PASS_FIRST)) = first;
-    write_dispatch(GIRIH_STATUS_PARTS, overflow ? 0u : made, GIRIH_WORKGROUP);
-    GIRIH_AT_STATUS(pass_word(next, GIRIH_SPLIT_PASS_END)) = made;
 }
 
 #else
+
+void main() {
+    uint count = list_count();
+    // The parts of a pass follow those of the pass before.
+    uint first = is_first() ? 0u : pass_range().y - girih_frame.triangle_count;
+    uint made = add_parts(first, sum_blocks(blocks_of(count), first));
+    if (gl_LocalInvocationID.x != 0u ||
+        (!is_first() && (GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW) != 0u)) {
+        return;
+    }
+    GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_SPLITS) = made;
+    bool overflow = made > girih_frame.max_splits;
+    if (overflow) {
+        made = first;
+        GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) = GIRIH_STATUS_SPLIT_OVERFLOW;
+        GIRIH_AT_STATUS(GIRIH_STATUS_SPLIT_ROOTS) = 0u;
+        GIRIH_AT_STATUS(GIRIH_STATUS_SPLIT_AGAIN) = 0u;
+    } else {
+        uint word = is_first() ? GIRIH_STATUS_SPLIT_ROOTS : GIRIH_STATUS_SPLIT_AGAIN;
+        GIRIH_AT_STATUS(word) += count;
+    }
+    GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS) = overflow ? 0u : made;
+    write_dispatch(GIRIH_STATUS_PARTS, overflow ? 0u : made, GIRIH_WORKGROUP);
+    uint next = pass_word(girih_push.shift + 1u, 0u);
+    write_dispatch(next + GIRIH_SPLIT_PASS_MARKS, blocks_of(made - first), GIRIH_SCAN_WORKGROUP);
+    GIRIH_AT_STATUS(next + GIRIH_SPLIT_PASS_FIRST) = first;
+    GIRIH_AT_STATUS(next + GIRIH_SPLIT_PASS_END) = made;
+}
+
+#endif
+
+#elif GIRIH_KERNEL == 5
 
 // The level of a part's edge inside what is split, between two places whose corners weigh `a` and `b`. The spacing
 // there is that of the border, growing with the distance from each edge, up to that of the coarsest edge: equal edges
@@ -350,18 +387,37 @@ void write_part(Whole whole, uint triangle, uint made) {
     uint key = girih_key(levels, material, girih_instance_mirrored(whole.instance));
     GIRIH_AT_KEYS(girih_frame.triangle_count + made) = key;
     if (girih_push.to_spare != 0u && key >= GIRIH_KEY_SPLIT) {
-        atomicOr(GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS), GIRIH_STATUS_SPLIT_OVERFLOW);
+        atomicAdd(GIRIH_AT_STATUS(GIRIH_STATUS_SPLIT_UNDONE), 1u);
+    }
+}
+
+// The parts of each lane and of all before it, by all lanes together.
+shared uint lane_ends[girih_lanes];
+
+void scan_parts(uint own) {
+    uint lane = gl_LocalInvocationID.x;
+    lane_ends[lane] = own;
+    barrier();
+    for (uint step = 1u; step < girih_lanes; step *= 2u) {
+        uint before = lane >= step ? lane_ends[lane - step] : 0u;
+        barrier();
+        lane_ends[lane] += before;
+        barrier();
     }
 }
 
 void main() {
-    uvec2 range = pass_range();
-    uint first = range.x + block_number() * girih_lanes;
+    uint block = block_number();
+    uint first = block * girih_lanes;
     uint lane = gl_LocalInvocationID.x;
     bool overflow = (GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW) != 0u;
-    scan_parts(overflow ? 0u : count_parts(first + lane, range.y));
+    // The same for all lanes.
+    if (overflow || first >= list_count()) {
+        return;
+    }
+    scan_parts(count_parts(first + lane));
     uint total = lane_ends[girih_lanes - 1u];
-    uint offset = first < range.y ? GIRIH_AT_COUNTERS(2u * block_number()) : 0u;
+    uint offset = GIRIH_AT_COUNTERS(block);
     for (uint n = lane; n < total; n += girih_lanes) {
         // The lane whose parts end beyond it.
         uint owner = 0u;
@@ -369,7 +425,7 @@ void main() {
             owner += lane_ends[owner + step - 1u] <= n ? step : 0u;
         }
         uint before = owner > 0u ? lane_ends[owner - 1u] : 0u;
-        write_part(read_whole(first + owner), n - before, offset + n);
+        write_part(read_whole(GIRIH_AT_ITEMS(first + owner)[GIRIH_ITEM_TRIANGLE]), n - before, offset + n);
     }
 }
 
