@@ -124,6 +124,11 @@ void girih_twin_select(girih_arrays *arrays, girih_surface surface);
 // stands beside it. Where more than frame.max_splits are needed there are none, and
 // GIRIH_STATUS_SPLIT_OVERFLOW is set.
 void girih_twin_split(girih_arrays *arrays);
+
+// After select: output triangles that the split triangles come to at the least. Inside one, edges
+// are about as short as the segments of its coarsest edge or shorter: that makes the square of them
+// and more, or, as measured, not less than 0.64 of it where levels are rounded.
+uint64_t girih_least_split_triangles(const girih_arrays *arrays);
 // Sorts into ITEMS and writes the groups' bounds and STATUS_ITEMS; COUNTERS and ITEMS_SPARE are the
 // shader's alone.
 girih_result girih_twin_group(girih_arrays *arrays, girih_error *error);

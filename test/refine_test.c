@@ -204,6 +204,26 @@ static void too_large_outputs_are_refused(void **state) {
     girih_mesh_destroy(mesh);
 }
 
+// Before any of their parts are made.
+static void too_many_parts_are_refused(void **state) {
+    (void)state;
+    const girih_mesh *mesh = make_cube(1);
+    girih_cpu_desc desc = describe(&mesh, GIRIH_MODE_WELDED);
+    desc.max_segments = 32768;
+    refused(&desc, &(girih_frame){.segments = 3}, GIRIH_ERROR_UNSUPPORTED,
+            "refine: split triangles are not welded; use the baked mode, or max_segments 0");
+    desc.mode = GIRIH_MODE_BAKED;
+    refused(&desc, &(girih_frame){.segments = 32768}, GIRIH_ERROR_TOO_LARGE,
+            "refine: 6442450944 triangles or more are needed, at most 2147483648 can be written");
+    // What does not fit the room given is counted all the same.
+    desc.max_triangles = 1000;
+    girih_cpu_output output = refine(&desc, &(girih_frame){.segments = 512});
+    assert_true(output.statistics.overflow);
+    assert_int_equal(output.statistics.needed_triangles, 12 * 512 * 512);
+    girih_cpu_output_free(&output);
+    girih_mesh_destroy(mesh);
+}
+
 static void nothing_gives_nothing(void **state) {
     (void)state;
     const girih_mesh *mesh = make_nothing();
@@ -487,6 +507,7 @@ int main(void) {
         cmocka_unit_test(overflow_is_drawn_at_level_0),
         cmocka_unit_test(what_cannot_be_done_is_refused),
         cmocka_unit_test(too_large_outputs_are_refused),
+        cmocka_unit_test(too_many_parts_are_refused),
         cmocka_unit_test(nothing_gives_nothing),
         cmocka_unit_test(failed_allocations_are_reported),
         cmocka_unit_test(normals_follow_the_inverse_transpose),

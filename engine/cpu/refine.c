@@ -58,6 +58,11 @@ static girih_result check(const girih_cpu_desc *desc, const girih_frame *frame,
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
                           "refine: closed indices need the welded mode, and nothing culled");
     }
+    if (desc->max_segments > 0 && desc->mode == GIRIH_MODE_WELDED) {
+        return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
+                          "refine: split triangles are not welded; use the baked mode, or "
+                          "max_segments 0");
+    }
     return GIRIH_OK;
 }
 
@@ -109,7 +114,20 @@ static girih_result allocate_work(girih_arrays *arrays, girih_error *error) {
     return GIRIH_OK;
 }
 
-// Levels and select, with room for *splits parts; where that is too little, once more with more.
+// Parts take memory before their triangles are counted, so a frame that nobody could write is told
+// from what is sure about it.
+static girih_result check_splits(const girih_arrays *arrays, girih_error *error) {
+    const uint64_t least = girih_least_split_triangles(arrays);
+    return least <= MAX_OUTPUT
+               ? GIRIH_OK
+               : girih_fail(error, GIRIH_ERROR_TOO_LARGE,
+                            "refine: %" PRIu64 " triangles or more are needed, at most %" PRIu64
+                            " can be written",
+                            least, MAX_OUTPUT);
+}
+
+// Levels and select, with room for some parts; where that is too little, once more with what was
+// needed as far as it is known: a further pass may need more.
 static girih_result choose_patterns(girih_arrays *arrays, const girih_cpu_desc *desc,
                                     const girih_frame *frame, const girih_scene_table *table,
                                     girih_cpu_times *times, girih_error *error) {
@@ -140,15 +158,24 @@ static girih_result choose_patterns(girih_arrays *arrays, const girih_cpu_desc *
         girih_twin_levels(arrays);
         times->levels = lap(&begin);
         girih_twin_select(arrays, base_surface(desc));
+        result = check_splits(arrays, error);
+        if (result != GIRIH_OK) {
+            return result;
+        }
         girih_twin_split(arrays);
         times->select = lap(&begin);
         const uint32_t *status = arrays->words[GIRIH_BIND_STATUS];
         if ((status[GIRIH_STATUS_FLAGS] & GIRIH_STATUS_SPLIT_OVERFLOW) == 0) {
             return GIRIH_OK;
         }
-        // A further pass may need more than what is known by now.
         const uint32_t needed = status[GIRIH_STATUS_NEEDED_SPLITS];
-        shape.max_splits = needed < UINT32_MAX / 2 ? 2 * needed : UINT32_MAX;
+        if (needed <= shape.max_splits || needed >= GIRIH_SPLIT_MOST_PARTS) {
+            return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
+                              "refine: split triangles have %" PRIu32
+                              " parts and more, which are too many",
+                              needed);
+        }
+        shape.max_splits = needed;
         girih_arrays_free(arrays, GIRIH_BIND_INSTANCES, GIRIH_BIND_OUT_POSITIONS);
     }
 }

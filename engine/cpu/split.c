@@ -206,6 +206,22 @@ static bool is_split(uint32_t key) {
     return (key & GIRIH_KEY_SPLIT) != 0 && key != GIRIH_KEY_CULLED;
 }
 
+uint64_t girih_least_split_triangles(const girih_arrays *arrays) {
+    const girih_frame_block *frame = &arrays->frame;
+    uint64_t least = 0;
+    for (uint32_t n = 0; n < frame->triangle_count; ++n) {
+        if (is_split(arrays->words[GIRIH_BIND_KEYS][n])) {
+            const girih_part whole = whole_triangle(arrays, n);
+            uint32_t segments = whole.segments[0];
+            for (uint32_t k = 1; k < 3; ++k) {
+                segments = whole.segments[k] < segments ? whole.segments[k] : segments;
+            }
+            least += (uint64_t)segments * segments / 2;
+        }
+    }
+    return least;
+}
+
 // Without any of its parts a frame is drawn at level 0.
 static void drop_parts(uint32_t *status) {
     status[GIRIH_STATUS_FLAGS] = GIRIH_STATUS_SPLIT_OVERFLOW;

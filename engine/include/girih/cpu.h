@@ -62,8 +62,9 @@ typedef struct girih_cpu_desc {
     uint32_t outputs;                     // girih_output_bits; PREVIOUS and PADDED are the GPU's
                                           // alone
     uint64_t max_vertices, max_triangles; // 0: as many as needed
-    uint32_t max_segments; // that an edge may ask for, as in girih_plan_desc; room for parts is as
-                           // much as needed
+    uint32_t max_segments; // that an edge may ask for, as in girih_plan_desc; not welded. Room for
+                           // parts is as much as needed; a frame whose parts alone tell that it is
+                           // more than can be written is GIRIH_ERROR_TOO_LARGE
     // GIRIH_SURFACE_OWN: the surface, what it is handed, and, as in girih_surface_program_desc,
     // what it stands on and what culling may rely on.
     girih_cpu_surface own;
