@@ -163,8 +163,9 @@ static girih_result expect_from(session *s, girih_error *error) {
     if (expected == NULL) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
-    result = girih_expect(expected, &s->from, s->instances, instance_count, s->catalogue.catalogue,
-                          &frame, error);
+    const girih_catalogue *catalogue = s->catalogue.catalogue;
+    result = girih_expect(expected, &s->from, s->instances, instance_count, catalogue,
+                          girih_segments_beyond(catalogue, &options->levels), &frame, error);
     for (uint32_t n = 0; n < instance_count; n++) {
         s->rows[n].expected = expected[s->instances[n].mesh];
     }

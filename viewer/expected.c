@@ -19,10 +19,14 @@ static girih_result allocate_words(girih_arrays *arrays, uint32_t binding, girih
 // The levels of every instance's edges.
 static girih_result run_levels(girih_arrays *arrays, const girih_model *model,
                                const girih_instance *instances, uint32_t instance_count,
-                               const girih_catalogue *catalogue, const girih_frame *frame,
-                               girih_error *error) {
+                               const girih_catalogue *catalogue, uint32_t max_segments,
+                               const girih_frame *frame, girih_error *error) {
     girih_scene_table table = {0};
-    girih_plan_shape shape = {.mode = GIRIH_MODE_BAKED, .outputs = GIRIH_OUTPUT_NO_DRAW};
+    // Levels take no room for parts, but there must be some for edges to go beyond the catalogue.
+    girih_plan_shape shape = {.mode = GIRIH_MODE_BAKED,
+                              .outputs = GIRIH_OUTPUT_NO_DRAW,
+                              .max_segments = max_segments,
+                              .max_splits = 1};
     girih_result result = girih_pack_catalogue(arrays, catalogue, error);
     if (result == GIRIH_OK) {
         result = girih_pack_scene(arrays, &table, model->meshes, model->mesh_count, 0, error);
@@ -75,12 +79,12 @@ static girih_result sum_mesh(girih_expected *expected, const girih_mesh *mesh,
 
 girih_result girih_expect(girih_expected *expected, const girih_model *model,
                           const girih_instance *instances, uint32_t instance_count,
-                          const girih_catalogue *catalogue, const girih_frame *frame,
-                          girih_error *error) {
+                          const girih_catalogue *catalogue, uint32_t max_segments,
+                          const girih_frame *frame, girih_error *error) {
     memset(expected, 0, model->mesh_count * sizeof *expected);
     girih_arrays arrays = {0};
-    girih_result result =
-        run_levels(&arrays, model, instances, instance_count, catalogue, frame, error);
+    girih_result result = run_levels(&arrays, model, instances, instance_count, catalogue,
+                                     max_segments, frame, error);
     const uint32_t *levels = arrays.words[GIRIH_BIND_LEVELS];
     // Instances stand in the order of their meshes, each mesh once, and so do their edges.
     for (uint32_t n = 0; n < instance_count && result == GIRIH_OK; n++) {

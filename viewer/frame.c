@@ -71,6 +71,13 @@ void girih_catalogue_source_free(girih_catalogue_source *source) {
     *source = (girih_catalogue_source){0};
 }
 
+uint32_t girih_segments_beyond(const girih_catalogue *catalogue,
+                               const girih_level_options *levels) {
+    uint32_t most = girih_catalogue_segments(catalogue, catalogue->level_count - 1);
+    // A catalogue of one level splits nothing.
+    return catalogue->level_count > 1 && levels->max_segments > most ? levels->max_segments : 0;
+}
+
 girih_frame girih_frame_from_options(const girih_level_options *levels, const girih_view *view) {
     girih_frame frame = {.rule = levels->rule,
                          .segments = levels->segments,

@@ -15,6 +15,9 @@ girih_result girih_catalogue_source_open(girih_catalogue_source *source, const c
                                          girih_error *error);
 void girih_catalogue_source_free(girih_catalogue_source *source);
 
+// What --max-segments allows an edge beyond the catalogue's largest level; 0: nothing.
+uint32_t girih_segments_beyond(const girih_catalogue *catalogue, const girih_level_options *levels);
+
 // The frame that the level options ask for in a view. view may be NULL where the rule is none of
 // pixels. Nothing is culled.
 girih_frame girih_frame_from_options(const girih_level_options *levels, const girih_view *view);

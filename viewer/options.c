@@ -7,6 +7,7 @@
 
 enum {
     KEY_SEGMENTS = GIRIH_KEY_SHARED,
+    KEY_MAX_SEGMENTS,
     KEY_EDGE_PIXELS,
     KEY_EDGE_LENGTH,
     KEY_SURFACE,
@@ -143,7 +144,13 @@ static void read_random(struct argp_state *state, const char *text, girih_level_
 static error_t parse_level(int key, char *argument, struct argp_state *state) {
     girih_level_options *options = state->input;
     if (key == ARGP_KEY_INIT) {
-        *options = (girih_level_options){.rule = GIRIH_LEVEL_EDGE_PIXELS, .length = 8.0f};
+        *options = (girih_level_options){
+            .rule = GIRIH_LEVEL_EDGE_PIXELS, .length = 8.0f, .max_segments = GIRIH_BARYCENTRIC_ONE};
+        return 0;
+    }
+    if (key == KEY_MAX_SEGMENTS) {
+        options->max_segments =
+            girih_option_count(state, "max-segments", argument, 1, GIRIH_BARYCENTRIC_ONE);
         return 0;
     }
     if (key != KEY_SEGMENTS && key != KEY_EDGE_PIXELS && key != KEY_EDGE_LENGTH) {
@@ -173,13 +180,18 @@ static error_t parse_level(int key, char *argument, struct argp_state *state) {
 }
 
 static const struct argp_option level_options[] = {
-    {NULL, 0, NULL, 0, "How fine (one of these; without, --edge-pixels 8):", 1},
+    {NULL, 0, NULL, 0,
+     "How fine (--segments, --edge-pixels or --edge-length; without, --edge-pixels 8):", 1},
     {"segments", KEY_SEGMENTS, "N", 0,
      "Every edge in N segments; random:SEED:MAX: in 1 to MAX, by a hash of its ends", 1},
     {"edge-pixels", KEY_EDGE_PIXELS, "P", 0,
      "Segments of about P pixels on the screen; of a cylinder, across it", 1},
     {"edge-length", KEY_EDGE_LENGTH, "L", 0,
      "Segments of length L at most, in the mesh's own units", 1},
+    {"max-segments", KEY_MAX_SEGMENTS, "N", 0,
+     "The most that an edge may ask for (32768). Triangles with an edge of more than the catalogue "
+     "holds are split; edges never get fewer than the catalogue's most for this",
+     1},
     END_OF_OPTIONS};
 
 const struct argp girih_level_argp = {level_options, parse_level, NULL, NULL, NULL, NULL, NULL};

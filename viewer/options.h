@@ -14,6 +14,7 @@ typedef struct girih_level_options {
     girih_level_rule rule;
     uint32_t segments, seed;
     float length;
+    uint32_t max_segments; // that an edge may ask for, where the catalogue holds fewer
 } girih_level_options;
 
 typedef struct girih_surface_options {

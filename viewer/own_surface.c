@@ -125,9 +125,10 @@ static const char *find_foreign_resource(const uint32_t *words, size_t count) {
 }
 
 // The whole shader: what it is for, girih's GLSL, then the surface, so that an error in the user's
-// file cannot be taken for one after it.
+// file cannot be taken for one after it. `define` is a macro that girih's GLSL asks for, or empty.
 static girih_result compile(const girih_own_surface *surface, girih_shader_stage stage,
-                            bool few_buffers, uint32_t **words, size_t *bytes, girih_error *error) {
+                            const char *define, uint32_t **words, size_t *bytes,
+                            girih_error *error) {
     const girih_surface_options *options = surface->options;
     bool is_displaced = options->height_map != NULL;
     bool is_bake = stage == GIRIH_SHADER_COMPUTE;
@@ -135,13 +136,12 @@ static girih_result compile(const girih_own_surface *surface, girih_shader_stage
     char displaced[600] = "";
     char place[100];
     if (is_bake) {
-        snprintf(kind, sizeof kind, "#define GIRIH_BAKE\n%s#include \"girih.glsl\"\n",
-                 few_buffers ? "#define GIRIH_FEW_BUFFERS\n" : "");
+        snprintf(kind, sizeof kind, "%s#define GIRIH_BAKE\n#include \"girih.glsl\"\n", define);
     } else {
         snprintf(kind, sizeof kind,
-                 "#define GIRIH_MODE 0\n#define GIRIH_SURFACE 2\n#define GIRIH_SET %d\n"
+                 "%s#define GIRIH_MODE 0\n#define GIRIH_SURFACE 2\n#define GIRIH_SET %d\n"
                  "#define GIRIH_SURFACE_SET %d\n#include \"model.glsl\"\n",
-                 GIRIH_DRAW_SET, GIRIH_DRAW_SURFACE_SET);
+                 define, GIRIH_DRAW_SET, GIRIH_DRAW_SURFACE_SET);
     }
     if (is_displaced) {
         const girih_displacement *displacement = &surface->displacement;
@@ -320,10 +320,11 @@ girih_result girih_own_surface_upload(girih_own_surface *surface, girih_device *
     bool few_buffers = girih_context_uses_few_buffers(context) != 0;
     uint32_t *words = NULL;
     size_t bytes = 0;
-    girih_result result =
-        instanced ? compile(surface, GIRIH_SHADER_VERTEX, false, &surface->vertex_words,
-                            &surface->vertex_bytes, error)
-                  : compile(surface, GIRIH_SHADER_COMPUTE, few_buffers, &words, &bytes, error);
+    girih_result result = GIRIH_OK;
+    if (!instanced) {
+        result = compile(surface, GIRIH_SHADER_COMPUTE,
+                         few_buffers ? "#define GIRIH_FEW_BUFFERS\n" : "", &words, &bytes, error);
+    }
     if (result == GIRIH_OK && surface->options->height_map != NULL) {
         result = upload_heights(surface, device, error);
         if (result == GIRIH_OK) {
@@ -347,6 +348,13 @@ girih_result girih_own_surface_upload(girih_own_surface *surface, girih_device *
     }
     free(words);
     return result;
+}
+
+girih_result girih_own_surface_compile_drawing(girih_own_surface *surface, bool has_splits,
+                                               girih_error *error) {
+    girih_report_progress("compiling the surface");
+    return compile(surface, GIRIH_SHADER_VERTEX, has_splits ? "#define GIRIH_SPLITS\n" : "",
+                   &surface->vertex_words, &surface->vertex_bytes, error);
 }
 
 void girih_own_surface_remove(girih_own_surface *surface, const girih_device *device) {

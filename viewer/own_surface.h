@@ -31,10 +31,14 @@ girih_result girih_own_surface_load(girih_own_surface *surface, const char *file
                                     const girih_instance *instances, uint32_t instance_count,
                                     girih_error *error);
 
-// Compiles it for the instanced or the other modes, and uploads what it reads.
+// Uploads what it reads, and compiles it for all modes but the instanced one.
 girih_result girih_own_surface_upload(girih_own_surface *surface, girih_device *device,
                                       const girih_context *context, bool instanced,
                                       girih_error *error);
+
+// Compiles it for drawing in the instanced mode, from a plan that splits triangles or not.
+girih_result girih_own_surface_compile_drawing(girih_own_surface *surface, bool has_splits,
+                                               girih_error *error);
 
 // Frees what is on the device, before it is closed. Its plans must be destroyed before.
 void girih_own_surface_remove(girih_own_surface *surface, const girih_device *device);

@@ -10,9 +10,13 @@
 #include "model_buffers.spv.h"
 #include "model_flat.spv.h"
 #include "model_flat_attributes.spv.h"
+#include "model_flat_attributes_splits.spv.h"
+#include "model_flat_splits.spv.h"
 #include "model_fragment.spv.h"
 #include "model_pn.spv.h"
 #include "model_pn_attributes.spv.h"
+#include "model_pn_attributes_splits.spv.h"
+#include "model_pn_splits.spv.h"
 
 typedef struct shader {
     const uint32_t *words;
@@ -32,11 +36,14 @@ static shader choose_vertex_shader(const girih_pipelines *pipelines,
     if (key->surface == GIRIH_SURFACE_OWN) {
         return (shader){pipelines->own->vertex_words, pipelines->own->vertex_bytes};
     }
-    if (pipelines->attribute_floats == 0) {
-        return key->surface == GIRIH_SURFACE_PN ? SHADER(model_pn) : SHADER(model_flat);
-    }
-    return key->surface == GIRIH_SURFACE_PN ? SHADER(model_pn_attributes)
-                                            : SHADER(model_flat_attributes);
+    // By surface, attributes and splits.
+    const shader built_in[2][2][2] = {
+        {{SHADER(model_flat), SHADER(model_flat_splits)},
+         {SHADER(model_flat_attributes), SHADER(model_flat_attributes_splits)}},
+        {{SHADER(model_pn), SHADER(model_pn_splits)},
+         {SHADER(model_pn_attributes), SHADER(model_pn_attributes_splits)}}};
+    return built_in[key->surface == GIRIH_SURFACE_PN][pipelines->attribute_floats != 0]
+                   [key->has_splits];
 }
 
 static girih_result create_module(VkDevice device, shader code, VkShaderModule *module,
@@ -202,7 +209,7 @@ static bool keys_equal(const girih_pipeline_key *a, const girih_pipeline_key *b)
         return a->background == b->background;
     }
     return a->instanced == b->instanced && a->surface == b->surface &&
-           a->has_base_color_map == b->has_base_color_map &&
+           a->has_splits == b->has_splits && a->has_base_color_map == b->has_base_color_map &&
            a->has_normal_map == b->has_normal_map && a->has_color == b->has_color &&
            a->alpha_mode == b->alpha_mode && a->cull == b->cull && a->line == b->line &&
            a->behind == b->behind;

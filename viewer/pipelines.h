@@ -46,6 +46,7 @@ typedef struct girih_pipeline_key {
     bool background; // the rest is unused then
     bool instanced;
     girih_surface surface;
+    bool has_splits;                                    // of the instanced mode
     bool has_base_color_map, has_normal_map, has_color; // has_color: of the vertices
     girih_gltf_alpha_mode alpha_mode;
     VkCullModeFlags cull;

@@ -10,6 +10,7 @@
 #include "output_file.h"
 #include "own_surface.h"
 #include "refinement.h"
+#include "weld.h"
 
 typedef struct refine_options {
     const char *model, *output;
@@ -103,6 +104,7 @@ typedef struct session {
     uint32_t instance_count;
     girih_frame frame;
     girih_cpu_output output; // whoever made it
+    girih_mode mode;         // of the output
     char device[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
     uint32_t validation_messages;
     girih_stage_times times;
@@ -135,16 +137,16 @@ static girih_result refine_on_cpu(session *s, girih_error *error) {
         .surface = s->options->surface.surface,
         .mode = s->options->mode,
         .outputs = GIRIH_OUTPUT_INDICES,
+        .max_segments = girih_segments_beyond(s->catalogue.catalogue, &s->options->levels),
         .own = girih_displacement_surface,
         .own_user = &s->own.displacement,
         .base = s->options->surface.base,
         .reach = s->own.reach,
     };
-    girih_report_progress("refining");
-    double start = girih_seconds();
-    girih_result result = girih_cpu_refine(&desc, &s->frame, &s->output, error);
-    s->times = girih_cpu_stage_times(&s->output, (girih_seconds() - start) * 1e3);
     snprintf(s->device, sizeof s->device, "CPU");
+    girih_result result =
+        girih_refinement_run_on_cpu(&desc, &s->frame, &s->output, &s->times, error);
+    s->mode = desc.mode;
     return result;
 }
 
@@ -218,6 +220,7 @@ static girih_result refine_on_device(session *s, girih_error *error) {
             .program = s->own.program,
             .mode = s->options->mode,
             .outputs = GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_NO_DRAW,
+            .max_segments = girih_segments_beyond(s->catalogue.catalogue, &s->options->levels),
             .vertex_usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
             .index_usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
         };
@@ -225,6 +228,7 @@ static girih_result refine_on_device(session *s, girih_error *error) {
     }
     if (result == GIRIH_OK) {
         s->times = refinement.times;
+        s->mode = refinement.mode;
         result = read_output(s, &device, refinement.plan, error);
     }
     girih_plan_destroy(refinement.plan);
@@ -481,6 +485,12 @@ static girih_result make_model(session *s, girih_error *error) {
     }
     if (result == GIRIH_OK) {
         result = options->device.cpu ? refine_on_cpu(s, error) : refine_on_device(s, error);
+    }
+    if (result == GIRIH_OK && options->mode == GIRIH_MODE_WELDED && s->mode != GIRIH_MODE_WELDED) {
+        girih_report_progress("welding");
+        const char *reason = girih_weld(&s->output);
+        result =
+            reason == NULL ? GIRIH_OK : girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "%s", reason);
     }
     girih_report_progress(NULL);
     return result;

@@ -1,6 +1,11 @@
 #include "refinement.h"
 
+#include <unistd.h>
+
 #include "error.h"
+
+// Room that is tried first: most pictures fit, and what does not says how much it needs.
+enum { FIRST_OUTPUTS = 1 << 20, FIRST_SPLITS = 1 << 16 };
 
 girih_result girih_refinement_scene(girih_device *device, girih_context *context,
                                     const girih_mesh *const *meshes, uint32_t mesh_count,
@@ -26,21 +31,57 @@ girih_result girih_refinement_scene(girih_device *device, girih_context *context
     return result;
 }
 
-// What a plan's creation says; where the levels made it too large (`grown`), with the size they
-// asked for and what to do.
-static girih_result explain(girih_result result, const girih_error *reason, bool grown,
-                            uint64_t triangles, uint64_t vertices, girih_error *error) {
-    if (!grown) {
+static uint64_t larger(uint64_t a, uint64_t b) {
+    return a > b ? a : b;
+}
+
+// Split triangles cannot be welded as they are refined.
+static girih_mode split_mode(girih_mode mode) {
+    return mode == GIRIH_MODE_WELDED ? GIRIH_MODE_BAKED : mode;
+}
+
+// What a plan of this frame has room for.
+typedef struct room {
+    uint64_t triangles, vertices, splits;
+    bool grown; // as the levels asked for
+} room;
+
+// What a plan's creation says; where the levels made it too large, with the size they asked for and
+// what to do.
+static girih_result explain(girih_result result, const girih_error *reason, const room *asked,
+                            girih_error *error) {
+    bool too_large = result == GIRIH_ERROR_TOO_LARGE ||
+                     result == GIRIH_ERROR_OUT_OF_DEVICE_MEMORY ||
+                     result == GIRIH_ERROR_OUT_OF_MEMORY;
+    if (!asked->grown || !too_large) {
         return girih_fail(error, result, "%s", reason->message);
     }
-    if (result == GIRIH_ERROR_TOO_LARGE || result == GIRIH_ERROR_OUT_OF_DEVICE_MEMORY ||
-        result == GIRIH_ERROR_OUT_OF_MEMORY) {
-        return girih_fail(
-            error, result,
-            "too large: %llu triangles with %llu vertices; ask for fewer segments (%.200s)",
-            (unsigned long long)triangles, (unsigned long long)vertices, reason->message);
+    if (asked->triangles == FIRST_OUTPUTS && asked->vertices == FIRST_OUTPUTS) {
+        return girih_fail(error, result,
+                          "too large: triangles split into %llu parts and more; ask for fewer "
+                          "segments, or let --max-segments allow fewer (%.200s)",
+                          (unsigned long long)asked->splits, reason->message);
     }
-    return girih_fail(error, result, "%s", reason->message);
+    return girih_fail(
+        error, result,
+        "too large: %llu triangles with %llu vertices; ask for fewer segments (%.200s)",
+        (unsigned long long)asked->triangles, (unsigned long long)asked->vertices, reason->message);
+}
+
+// Makes room for what a frame that overflowed needs; false where it should have had enough.
+static bool grow(room *asked, const girih_statistics *needed) {
+    // Parts that found no room are not counted as triangles yet.
+    if (needed->needed_splits > asked->splits) {
+        asked->splits = needed->needed_splits;
+    } else if (needed->needed_triangles > asked->triangles ||
+               needed->needed_vertices > asked->vertices) {
+        asked->triangles = larger(asked->triangles, needed->needed_triangles);
+        asked->vertices = larger(asked->vertices, needed->needed_vertices);
+    } else {
+        return false;
+    }
+    asked->grown = true;
+    return true;
 }
 
 static girih_result run_once(girih_refinement *refinement, const girih_refinement_desc *desc,
@@ -80,59 +121,61 @@ static girih_result run_once(girih_refinement *refinement, const girih_refinemen
     return GIRIH_OK;
 }
 
-girih_result girih_refinement_run(girih_refinement *refinement, const girih_refinement_desc *desc,
-                                  const girih_frame *frame, girih_error *error) {
-    *refinement = (girih_refinement){.times = girih_no_times};
-    girih_report_progress("refining");
-    // Most pictures fit this; what does not says how much it needs.
-    uint64_t triangles = (uint64_t)1 << 20;
-    uint64_t vertices = (uint64_t)1 << 20;
-    bool grown = false;
-    VkQueryPool queries;
-    girih_result result = girih_device_queries(desc->device, GIRIH_TIMESTAMPS, &queries, error);
-    while (result == GIRIH_OK) {
-        if (triangles > UINT32_MAX || vertices > UINT32_MAX) {
-            girih_error reason = {.message = "there can be 2^32 of each"};
-            result = explain(GIRIH_ERROR_TOO_LARGE, &reason, grown, triangles, vertices, error);
-            break;
-        }
+static girih_result create_plan(girih_refinement *refinement, const girih_refinement_desc *desc,
+                                const room *asked, girih_error *error) {
+    girih_error reason = {.message = "there can be 2^32 of each"};
+    girih_result result = GIRIH_ERROR_TOO_LARGE;
+    if (asked->triangles <= UINT32_MAX && asked->vertices <= UINT32_MAX) {
         girih_plan_desc plan = {
             .scene = desc->scene,
             .instances = desc->instances,
             .instance_count = desc->instance_count,
             .surface = desc->surface,
             .program = desc->program,
-            .mode = desc->mode,
+            .mode = refinement->mode,
             .outputs = desc->outputs,
-            .max_vertices = (uint32_t)vertices,
-            .max_triangles = (uint32_t)triangles,
+            .max_vertices = (uint32_t)asked->vertices,
+            .max_triangles = (uint32_t)asked->triangles,
+            .max_segments = refinement->has_splits ? desc->max_segments : 0,
+            .max_splits = (uint32_t)asked->splits,
             .vertex_usage = desc->vertex_usage,
             .index_usage = desc->index_usage,
         };
-        girih_error reason = {.result = GIRIH_OK};
         result = girih_plan_create(desc->context, &plan, &refinement->plan, &reason);
-        if (result != GIRIH_OK) {
-            result = explain(result, &reason, grown, triangles, vertices, error);
+    }
+    return result == GIRIH_OK ? GIRIH_OK : explain(result, &reason, asked, error);
+}
+
+girih_result girih_refinement_run(girih_refinement *refinement, const girih_refinement_desc *desc,
+                                  const girih_frame *frame, girih_error *error) {
+    *refinement = (girih_refinement){.mode = desc->mode, .times = girih_no_times};
+    girih_report_progress("refining");
+    room asked = {.triangles = FIRST_OUTPUTS, .vertices = FIRST_OUTPUTS};
+    const girih_statistics *statistics = &refinement->statistics;
+    VkQueryPool queries;
+    girih_result result = girih_device_queries(desc->device, GIRIH_TIMESTAMPS, &queries, error);
+    while (result == GIRIH_OK) {
+        result = create_plan(refinement, desc, &asked, error);
+        if (result == GIRIH_OK) {
+            result = run_once(refinement, desc, frame, queries, error);
+        }
+        bool splits =
+            desc->max_segments > 0 && !refinement->has_splits && statistics->clamped_edges > 0;
+        if (result != GIRIH_OK || (!splits && !statistics->overflow)) {
             break;
         }
-        result = run_once(refinement, desc, frame, queries, error);
-        if (result != GIRIH_OK || !refinement->statistics.overflow) {
-            break;
-        }
-        uint64_t needed_triangles = refinement->statistics.needed_triangles;
-        uint64_t needed_vertices = refinement->statistics.needed_vertices;
         girih_plan_destroy(refinement->plan);
         refinement->plan = NULL;
-        if (needed_triangles <= triangles && needed_vertices <= vertices) {
+        if (splits) {
+            refinement->has_splits = true;
+            refinement->mode = split_mode(desc->mode);
+            asked.splits = FIRST_SPLITS;
+        } else if (!grow(&asked, statistics)) {
             result = girih_fail(
                 error, GIRIH_ERROR_DEVICE,
                 "the device reports an overflow with room for %llu triangles, which should do",
-                (unsigned long long)triangles);
-            break;
+                (unsigned long long)asked.triangles);
         }
-        grown = true;
-        triangles = needed_triangles > triangles ? needed_triangles : triangles;
-        vertices = needed_vertices > vertices ? needed_vertices : vertices;
     }
     if (result != GIRIH_OK) {
         girih_plan_destroy(refinement->plan);
@@ -143,13 +186,65 @@ girih_result girih_refinement_run(girih_refinement *refinement, const girih_refi
     return result;
 }
 
-girih_stage_times girih_cpu_stage_times(const girih_cpu_output *output, double wall) {
-    girih_stage_times times = girih_no_times;
-    times.levels = output->times.levels;
-    times.select = output->times.select;
-    times.group = output->times.group;
-    times.dispatch = output->times.dispatch;
-    times.evaluate = output->times.evaluate;
-    times.wall = wall;
-    return times;
+// --- On the CPU ---
+
+// Memory that is written to is there only as far as the machine has it, whatever was handed out: a
+// quarter of it may be the vertices, and one the triangles, which are copied once more to be
+// written or drawn.
+static void limit_output(girih_cpu_desc *desc) {
+    uint64_t floats = 6;
+    for (uint32_t n = 0; n < desc->mesh_count; n++) {
+        floats = larger(floats, 6 + (uint64_t)desc->meshes[n]->attribute_floats);
+    }
+    uint64_t quarter = (uint64_t)sysconf(_SC_PHYS_PAGES) / 4 * (uint64_t)sysconf(_SC_PAGESIZE);
+    desc->max_vertices = quarter / (4 * floats);
+    desc->max_triangles = quarter / 12;
+}
+
+static girih_result run_once_on_cpu(const girih_cpu_desc *desc, const girih_frame *frame,
+                                    girih_cpu_output *output, girih_stage_times *times,
+                                    girih_error *error) {
+    double start = girih_seconds();
+    girih_error reason = {.result = GIRIH_OK};
+    girih_result result = girih_cpu_refine(desc, frame, output, &reason);
+    if (result != GIRIH_OK) {
+        bool too_large = result == GIRIH_ERROR_TOO_LARGE || result == GIRIH_ERROR_OUT_OF_MEMORY;
+        return girih_fail(error, result, "%s%s", reason.message,
+                          too_large ? "; ask for fewer segments" : "");
+    }
+    const girih_statistics statistics = output->statistics;
+    if (statistics.overflow) {
+        girih_cpu_output_free(output);
+        return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
+                          "too large: %llu triangles with %llu vertices are more than this "
+                          "machine's memory should hold; ask for fewer segments",
+                          (unsigned long long)statistics.needed_triangles,
+                          (unsigned long long)statistics.needed_vertices);
+    }
+    *times = girih_no_times;
+    times->levels = output->times.levels;
+    times->select = output->times.select;
+    times->group = output->times.group;
+    times->dispatch = output->times.dispatch;
+    times->evaluate = output->times.evaluate;
+    times->wall = (girih_seconds() - start) * 1e3;
+    return GIRIH_OK;
+}
+
+girih_result girih_refinement_run_on_cpu(girih_cpu_desc *desc, const girih_frame *frame,
+                                         girih_cpu_output *output, girih_stage_times *times,
+                                         girih_error *error) {
+    girih_report_progress("refining");
+    const uint32_t max_segments = desc->max_segments;
+    desc->max_segments = 0;
+    limit_output(desc);
+    girih_result result = run_once_on_cpu(desc, frame, output, times, error);
+    if (result == GIRIH_OK && max_segments > 0 && output->statistics.clamped_edges > 0) {
+        girih_cpu_output_free(output);
+        desc->max_segments = max_segments;
+        desc->mode = split_mode(desc->mode);
+        result = run_once_on_cpu(desc, frame, output, times, error);
+    }
+    girih_report_progress(NULL);
+    return result;
 }

@@ -40,9 +40,8 @@ static const struct argp_option own_options[] = {
     {"mode", KEY_MODE, "instanced|baked|welded|auto", 0,
      "How triangles reach the rasteriser; the picture is the same (auto)", 0},
     {"shade", KEY_SHADE, "lit|normals|levels|patterns", 0,
-     "levels and patterns colour triangles by the largest edge level, or by base pattern; they are "
-     "drawn in the "
-     "instanced mode whatever --mode says",
+     "levels and patterns colour triangles, or the parts that they are split into, by the largest "
+     "edge level, or by base pattern; they are drawn in the instanced mode whatever --mode says",
      0},
     {"wireframe", KEY_WIREFRAME, NULL, 0, "Draw the triangles' edges over the picture", 0},
     {"backface-color", KEY_BACKFACE_COLOR, "R,G,B", 0,
@@ -260,18 +259,17 @@ static girih_result refine_on_cpu(session *s, uint32_t number, girih_surface sur
         .surface = surface,
         .mode = s->mode,
         .outputs = GIRIH_OUTPUT_INDICES,
+        .max_segments = girih_segments_beyond(s->catalogue.catalogue, &s->options->levels),
         .own = girih_displacement_surface,
         .own_user = &s->own.displacement,
         .base = s->options->surface.base,
         .reach = s->own.reach,
     };
-    girih_report_progress("refining");
-    double start = girih_seconds();
-    girih_result result = girih_cpu_refine(&desc, frame, output, error);
+    girih_result result = girih_refinement_run_on_cpu(&desc, frame, output, &s->times, error);
     if (result != GIRIH_OK) {
         return result;
     }
-    s->times = girih_cpu_stage_times(output, (girih_seconds() - start) * 1e3);
+    s->drawings[number].mode = desc.mode;
     s->statistics = output->statistics;
     VkDeviceSize vertices = output->statistics.output_vertices;
     girih_device_buffer *buffers = s->buffers[number];
@@ -305,11 +303,19 @@ static girih_result refine_on_device(session *s, uint32_t number, girih_surface 
         .surface = surface,
         .program = s->own.program,
         .mode = s->mode,
+        .max_segments = girih_segments_beyond(s->catalogue.catalogue, &s->options->levels),
     };
-    girih_result result = girih_refinement_run(&s->refinements[number], &desc, frame, error);
-    s->drawings[number].plan = s->refinements[number].plan;
-    s->statistics = s->refinements[number].statistics;
-    s->times = s->refinements[number].times;
+    girih_refinement *refinement = &s->refinements[number];
+    girih_result result = girih_refinement_run(refinement, &desc, frame, error);
+    s->drawings[number].plan = refinement->plan;
+    s->drawings[number].mode = refinement->mode;
+    s->drawings[number].has_splits = refinement->has_splits;
+    s->statistics = refinement->statistics;
+    s->times = refinement->times;
+    if (result == GIRIH_OK && surface == GIRIH_SURFACE_OWN && s->mode == GIRIH_MODE_INSTANCED) {
+        result = girih_own_surface_compile_drawing(&s->own, refinement->has_splits, error);
+        s->file = result == GIRIH_OK ? s->file : NULL; // the message names what it is about
+    }
     return result;
 }
 
@@ -454,11 +460,11 @@ int girih_command_render(int argc, char **argv) {
         return girih_report_failure(s.file, error.message);
     }
     int code = GIRIH_EXIT_DONE;
+    const char *mode = girih_mode_name(s.drawings[s.drawing_count - 1].mode);
     if (options.json) {
-        code = girih_report_print(
-            girih_report_json(device, girih_mode_name(s.mode), &s.statistics, &s.times));
+        code = girih_report_print(girih_report_json(device, mode, &s.statistics, &s.times));
     } else {
-        girih_report_text(device, girih_mode_name(s.mode), &s.statistics, &s.times);
+        girih_report_text(device, mode, &s.statistics, &s.times);
     }
     return s.device.validation_messages != 0 ? GIRIH_EXIT_FAILED : code;
 }

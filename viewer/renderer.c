@@ -541,6 +541,7 @@ static girih_result draw_material(girih_renderer *renderer, const girih_drawing 
     girih_pipeline_key key = {
         .instanced = drawing->plan != NULL && drawing->mode == GIRIH_MODE_INSTANCED,
         .surface = drawing->surface,
+        .has_splits = drawing->has_splits,
         .has_base_color_map = has_texcoord && material->base_color_texture.image >= 0,
         .has_normal_map = has_texcoord && material->normal_texture.image >= 0,
         .has_color = model->color_float != GIRIH_MODEL_NONE,

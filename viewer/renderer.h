@@ -9,8 +9,9 @@
 typedef enum girih_shade {
     GIRIH_SHADE_LIT,
     GIRIH_SHADE_NORMALS,
-    GIRIH_SHADE_LEVELS,   // a colour for the largest edge level of a triangle's base pattern
-    GIRIH_SHADE_PATTERNS, // a colour for every base pattern
+    GIRIH_SHADE_LEVELS,   // a colour for the largest edge level of a base pattern
+    GIRIH_SHADE_PATTERNS, // a colour for every base pattern; parts of split triangles have their
+                          // own
 } girih_shade;
 
 typedef struct girih_renderer_desc {
@@ -34,6 +35,7 @@ typedef struct girih_drawing {
     const girih_plan *plan;
     girih_mode mode;
     girih_surface surface;
+    bool has_splits;                         // of the plan: see girih_refinement
     VkBuffer positions, attributes, indices; // without a plan
     const uint32_t *material_first;          // [material_count + 1]
     uint32_t x, width;                       // the columns of the picture that it fills

@@ -59,11 +59,13 @@ static json_t *milliseconds(double time) {
 json_t *girih_report_json(const char *device, const char *mode, const girih_statistics *statistics,
                           const girih_stage_times *times) {
     return json_pack(
-        "{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:{s:o, s:o, s:o, s:o, s:o, s:o}, s:o}",
+        "{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:{s:o, s:o, s:o, s:o, s:o, s:o}, "
+        "s:o}",
         "device", device, "mode", mode, "input_triangles", (json_int_t)statistics->input_triangles,
         "culled_triangles", (json_int_t)statistics->culled_triangles, "clamped_edges",
-        (json_int_t)statistics->clamped_edges, "output_triangles",
-        (json_int_t)statistics->output_triangles, "output_vertices",
+        (json_int_t)statistics->clamped_edges, "split_triangles",
+        (json_int_t)statistics->split_triangles, "parts", (json_int_t)statistics->parts,
+        "output_triangles", (json_int_t)statistics->output_triangles, "output_vertices",
         (json_int_t)statistics->output_vertices, "groups", (json_int_t)statistics->groups,
         "base_patterns", (json_int_t)statistics->base_patterns, "time_ms", "levels",
         milliseconds(times->levels), "select", milliseconds(times->select), "group",
@@ -81,8 +83,14 @@ void girih_report_text(const char *device, const char *mode, const girih_statist
             " vertices, %u base patterns in %u groups\n",
             statistics->input_triangles, statistics->culled_triangles, statistics->output_triangles,
             statistics->output_vertices, statistics->base_patterns, statistics->groups);
+    if (statistics->split_triangles != 0) {
+        fprintf(stderr, "%" PRIu64 " triangles beyond the catalogue split into %" PRIu64 " parts\n",
+                statistics->split_triangles, statistics->parts);
+    }
     if (statistics->clamped_edges != 0) {
-        fprintf(stderr, "%" PRIu64 " edges asked for more segments than the catalogue holds\n",
+        fprintf(stderr,
+                "%" PRIu64
+                " edges asked for more segments than the catalogue and --max-segments allow\n",
                 statistics->clamped_edges);
     }
     if (times->levels >= 0.0) {
