@@ -60,8 +60,9 @@ typedef struct bench_job_desc {
     // the reference's levels, an even one others, so that levels change every frame.
     void (*frame)(const void *user, uint32_t n, girih_frame *frame, bench_view *view);
     const void *user;
-    uint32_t frame_count; // different frames; those after them begin again; 0: BENCH_FRAMES
-    bool geometry_only;   // no shaded frames are timed
+    uint32_t max_segments; // of girih's plans: triangles with longer edges are split; 0: none are
+    uint32_t frame_count;  // different frames; those after them begin again; 0: BENCH_FRAMES
+    bool geometry_only;    // no shaded frames are timed
     // Where a method's pairs of one kind would take longer, there are fewer, but 5 at
     // least; 0: never.
     double most_seconds;
@@ -73,6 +74,8 @@ typedef struct bench_case_job {
     girih_statistics reference; // of frame 1
     double mean_triangles;      // of all frames; vertices as baked
     double mean_vertices;
+    double mean_parts;  // of split triangles
+    double mean_groups; // that are not empty; after bench_count_groups
 } bench_case_job;
 
 girih_result bench_job_create(bench_target *target, girih_device *device,
@@ -81,6 +84,8 @@ void bench_job_destroy(bench_case_job *job);
 
 // What a job's frames put out, once more: after what its `user` points to has changed.
 girih_result bench_count_frames(bench_case_job *job, girih_error *error);
+// The same with the output put out, which alone shows the groups.
+girih_result bench_count_groups(bench_case_job *job, girih_error *error);
 
 // One mesh for a catalogue, uploaded with it: for jobs, and for methods with another catalogue than
 // their job's. *context and *scene are the caller's even after a failure, NULL where they were not
@@ -136,6 +141,8 @@ girih_result bench_run_job(const bench_run *run, bench_target *target, const ben
 // The cases: each appends one or more objects to run->cases.
 girih_result bench_spheres(const bench_run *run, girih_error *error);
 girih_result bench_families(const bench_run *run, girih_error *error);
+// The built-in catalogues at the same rule, linear against dyadic; and making them ready.
+girih_result bench_spacings(const bench_run *run, girih_error *error);
 girih_result bench_bake(const bench_run *run, girih_error *error);
 girih_result bench_conditions(const bench_run *run, girih_error *error);
 girih_result bench_knuth_case(const bench_run *run, girih_error *error);

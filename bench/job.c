@@ -6,6 +6,9 @@
 #include "error.h"
 #include "icosphere.h"
 
+// Parts of split triangles, while it is not known how many there are.
+#define MOST_SPLITS (1u << 18)
+
 girih_result bench_mesh_allocate(bench_mesh *mesh, uint32_t vertex_count, uint32_t triangle_count,
                                  girih_error *error) {
     mesh->vertex_count = vertex_count;
@@ -97,19 +100,23 @@ girih_result bench_scene_create(girih_device *device, const girih_catalogue *cat
     return result;
 }
 
-// Without putting it out: a plan with room for level 0 alone.
-girih_result bench_count_frames(bench_case_job *job, girih_error *error) {
+// Frames in a plan that has room for what the job has room for, or for level 0 alone.
+static girih_result count_frames(bench_case_job *job, uint32_t room_triangles, uint32_t room_splits,
+                                 girih_error *error) {
     const girih_instance instance = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
     const girih_plan_desc desc = {.scene = job->job.scene,
                                   .instances = &instance,
                                   .instance_count = 1,
                                   .surface = job->job.surface,
-                                  .mode = GIRIH_MODE_BAKED};
+                                  .mode = GIRIH_MODE_BAKED,
+                                  .max_vertices = 4 * room_triangles,
+                                  .max_triangles = room_triangles,
+                                  .max_segments = job->desc.max_segments,
+                                  .max_splits = room_splits};
     girih_device *device = job->job.device;
     girih_plan *plan = NULL;
-    double triangles = 0.0;
-    double vertices = 0.0;
-    job->job.room_triangles = 0;
+    double triangles = 0.0, vertices = 0.0, parts = 0.0, groups = 0.0;
+    uint64_t most_triangles = 0, most_splits = 0;
     girih_result result = girih_plan_create(job->job.context, &desc, &plan, error);
     for (uint32_t n = 0; n < job->desc.frame_count && result == GIRIH_OK; ++n) {
         girih_frame frame = {0};
@@ -125,18 +132,39 @@ girih_result bench_count_frames(bench_case_job *job, girih_error *error) {
         const girih_statistics statistics = girih_plan_statistics(plan);
         triangles += (double)statistics.needed_triangles;
         vertices += (double)statistics.needed_vertices;
-        if (statistics.needed_triangles > job->job.room_triangles) {
-            job->job.room_triangles = (uint32_t)statistics.needed_triangles;
+        parts += (double)statistics.parts;
+        groups += statistics.groups;
+        if (statistics.needed_triangles > most_triangles) {
+            most_triangles = statistics.needed_triangles;
+        }
+        if (statistics.needed_splits > most_splits) {
+            most_splits = statistics.needed_splits;
         }
         if (n == 1) {
             job->reference = statistics;
             job->job.reference = frame;
         }
     }
+    girih_plan_destroy(plan);
+    if (result == GIRIH_OK && most_splits > room_splits) {
+        result = girih_fail(error, GIRIH_ERROR_TOO_LARGE, "%s: more than %u parts", job->job.name,
+                            room_splits);
+    }
+    job->job.room_triangles = (uint32_t)most_triangles;
+    job->job.room_splits = (uint32_t)most_splits;
     job->mean_triangles = triangles / job->desc.frame_count;
     job->mean_vertices = vertices / job->desc.frame_count;
-    girih_plan_destroy(plan);
+    job->mean_parts = parts / job->desc.frame_count;
+    job->mean_groups = groups / job->desc.frame_count;
     return result;
+}
+
+girih_result bench_count_frames(bench_case_job *job, girih_error *error) {
+    return count_frames(job, 0, job->desc.max_segments ? MOST_SPLITS : 0, error);
+}
+
+girih_result bench_count_groups(bench_case_job *job, girih_error *error) {
+    return count_frames(job, job->job.room_triangles, job->job.room_splits, error);
 }
 
 girih_result bench_job_create(bench_target *target, girih_device *device,
@@ -151,7 +179,8 @@ girih_result bench_job_create(bench_target *target, girih_device *device,
                                     .vertex_count = desc->mesh->vertex_count,
                                     .triangle_count = desc->mesh->triangle_count,
                                     .catalogue = desc->catalogue,
-                                    .surface = desc->surface}};
+                                    .surface = desc->surface,
+                                    .max_segments = desc->max_segments}};
     if (job->desc.frame_count == 0) {
         job->desc.frame_count = BENCH_FRAMES;
     }

@@ -27,6 +27,7 @@ static const struct bench_case {
 } cases[] = {
     {"spheres", "Curved PN spheres with random levels, against the static mesh", bench_spheres},
     {"families", "built-in patterns against `uniform`, as many triangles", bench_families},
+    {"spacings", "linear against dyadic at the same rule; making either ready", bench_spacings},
     {"errors", "triangles against distance, normal and picture errors", bench_errors},
     {"instances", "a thousand instances of a hundred meshes, against one mesh", bench_instances},
     {"cities", "DMR's flight through a city in a cylindrical projection", bench_cities},

@@ -31,6 +31,10 @@ typedef struct bench_job {
     girih_surface surface; // flat or PN
     // The most triangles that any frame puts out.
     uint32_t room_triangles;
+    // Of girih's plans: segments that edges may ask for, and the most parts that any frame's split
+    // triangles have; where none are split, 0.
+    uint32_t max_segments;
+    uint32_t room_splits;
 
     // The frame to be drawn: its levels and what is seen. Frame number 1 is the reference's.
     girih_frame frame;

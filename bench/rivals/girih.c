@@ -17,6 +17,17 @@ typedef struct own {
     girih_plan *plan;
 } own;
 
+typedef struct instanced_shaders {
+    const bench_shader *drawn, *captured;
+} instanced_shaders;
+
+// Flat or PN, of plans that split nothing or triangles.
+static const instanced_shaders instanced[2][2] = {
+    {{&bench_shader_instanced_flat, &bench_shader_instanced_flat_capture},
+     {&bench_shader_instanced_flat_splits, &bench_shader_instanced_flat_splits_capture}},
+    {{&bench_shader_instanced_pn, &bench_shader_instanced_pn_capture},
+     {&bench_shader_instanced_pn_splits, &bench_shader_instanced_pn_splits_capture}}};
+
 static bool can_instance(const bench_job *job) {
     return job->device->features.multiDrawIndirect &&
            job->device->features.drawIndirectFirstInstance;
@@ -25,6 +36,10 @@ static bool can_instance(const bench_job *job) {
 static const char *unfit_instanced(const bench_job *job) {
     return can_instance(job) ? NULL
                              : "the device lacks multiDrawIndirect or drawIndirectFirstInstance";
+}
+
+static const char *unfit_welded(const bench_job *job) {
+    return job->room_splits ? "splits no triangles" : NULL;
 }
 
 void bench_girih_destroy(void *state) {
@@ -56,10 +71,10 @@ girih_result bench_girih_create(const bench_job *job, const girih_context *conte
                                     .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
                                     .layout = s->layout.layout};
         if (plan->mode == GIRIH_MODE_INSTANCED) {
-            const bool pn = plan->surface == GIRIH_SURFACE_PN;
-            desc.vertex = pn ? bench_shader_instanced_pn : bench_shader_instanced_flat;
-            desc.capture =
-                pn ? bench_shader_instanced_pn_capture : bench_shader_instanced_flat_capture;
+            const instanced_shaders *shaders =
+                &instanced[plan->surface == GIRIH_SURFACE_PN][plan->max_splits != 0];
+            desc.vertex = *shaders->drawn;
+            desc.capture = *shaders->captured;
         }
         result = bench_pipelines_create(job->target, &desc, s->pipelines, error);
     }
@@ -92,8 +107,8 @@ static girih_result create(const bench_job *job, int variant, void **state, giri
                                                            : GIRIH_MODE_BAKED,
                             .max_vertices = 4 * job->room_triangles,
                             .max_triangles = job->room_triangles,
-                            .max_segments = variant == SPLITS ? 32768 : 0,
-                            .max_splits = ROOM_FOR_SPLITS};
+                            .max_segments = variant == SPLITS ? 32768 : job->max_segments,
+                            .max_splits = variant == SPLITS ? ROOM_FOR_SPLITS : job->room_splits};
     if (variant == AUTO) {
         desc.mode = girih_choose_mode(job->context, &desc, job->room_triangles);
     }
@@ -143,7 +158,8 @@ static uint64_t drawn(void *state) {
 
 const bench_method bench_girih = OWN("girih", AUTO, NULL, bench_girih_prepare);
 const bench_method bench_girih_baked = OWN("girih-baked", BAKED, NULL, bench_girih_prepare);
-const bench_method bench_girih_welded = OWN("girih-welded", WELDED, NULL, bench_girih_prepare);
+const bench_method bench_girih_welded =
+    OWN("girih-welded", WELDED, unfit_welded, bench_girih_prepare);
 const bench_method bench_girih_instanced =
     OWN("girih-instanced", INSTANCED, unfit_instanced, bench_girih_prepare);
 // Baked, with room for the parts of split triangles.
