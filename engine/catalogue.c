@@ -12,7 +12,7 @@
 
 // Tables are used where they lie, so the machine must read them as they are written.
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "catalogues are little-endian");
-_Static_assert(sizeof(girih_catalogue) == 96, "the header has no padding");
+_Static_assert(sizeof(girih_catalogue) == 104, "the header has no padding");
 _Static_assert(sizeof(girih_base_pattern) == 40, "a pattern has no padding");
 
 // 2^15 segments, one per step of the barycentric denominator.
@@ -146,6 +146,19 @@ static girih_result check_pattern(const girih_catalogue *catalogue, const uint32
     return GIRIH_OK;
 }
 
+// Whether all places of a table lie in their triangles.
+static girih_result check_places(const girih_catalogue *catalogue, uint64_t offset,
+                                 const char *name, girih_error *error) {
+    const uint32_t *places = at(catalogue, offset);
+    for (uint64_t n = 0; n < catalogue->vertex_count; n++) {
+        if ((places[n] & 0xffff) + (places[n] >> 16) > GIRIH_BARYCENTRIC_ONE) {
+            return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
+                              "catalogue: %s %" PRIu64 " lies outside its triangle", name, n);
+        }
+    }
+    return GIRIH_OK;
+}
+
 static girih_result check_tables(const girih_catalogue *catalogue, girih_error *error) {
     uint64_t end = table_end(catalogue->pattern_offset, catalogue->pattern_count,
                              sizeof(girih_base_pattern), 8, sizeof *catalogue, catalogue->bytes);
@@ -153,16 +166,21 @@ static girih_result check_tables(const girih_catalogue *catalogue, girih_error *
         end = table_end(catalogue->vertex_offset, catalogue->vertex_count, sizeof(uint32_t), 4, end,
                         catalogue->bytes);
     }
-    if (end == 0) {
-        return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
-                          "catalogue: the pattern or vertex table lies out of the catalogue");
+    if (end != 0) {
+        end = table_end(catalogue->parent_offset, catalogue->vertex_count, sizeof(uint32_t), 4, end,
+                        catalogue->bytes);
     }
-    const uint32_t *vertices = at(catalogue, catalogue->vertex_offset);
-    for (uint64_t n = 0; n < catalogue->vertex_count; n++) {
-        if ((vertices[n] & 0xffff) + (vertices[n] >> 16) > GIRIH_BARYCENTRIC_ONE) {
-            return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
-                              "catalogue: vertex %" PRIu64 " lies outside its triangle", n);
-        }
+    if (end == 0) {
+        return girih_fail(
+            error, GIRIH_ERROR_INVALID_DATA,
+            "catalogue: a table of patterns, vertices or parents lies out of the catalogue");
+    }
+    girih_result inside = check_places(catalogue, catalogue->vertex_offset, "vertex", error);
+    if (inside == GIRIH_OK) {
+        inside = check_places(catalogue, catalogue->parent_offset, "parent", error);
+    }
+    if (inside != GIRIH_OK) {
+        return inside;
     }
     const girih_base_pattern *pattern = at(catalogue, catalogue->pattern_offset);
     uint64_t vertex = 0;
@@ -215,6 +233,12 @@ const uint32_t *girih_catalogue_vertices(const girih_catalogue *catalogue,
                                          const girih_base_pattern *pattern) {
     const uint32_t *vertices = at(catalogue, catalogue->vertex_offset);
     return vertices + pattern->first_vertex;
+}
+
+const uint32_t *girih_catalogue_parents(const girih_catalogue *catalogue,
+                                        const girih_base_pattern *pattern) {
+    const uint32_t *parents = at(catalogue, catalogue->parent_offset);
+    return parents + pattern->first_vertex;
 }
 
 uint32_t girih_catalogue_index(const girih_catalogue *catalogue, const girih_base_pattern *pattern,

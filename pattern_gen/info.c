@@ -2,11 +2,13 @@
 #include "report.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include <jansson.h>
 
 #include "error.h"
+#include "parent_laws.h"
 #include "quality.h"
 #include "spacing.h"
 
@@ -14,6 +16,7 @@ typedef struct measured_catalogue {
     const girih_catalogue *catalogue;
     const girih_quality *qualities;
     girih_quality_totals totals;
+    girih_parent_figures parents;
 } measured_catalogue;
 
 static double per_triangle(const girih_catalogue *catalogue, uint64_t count) {
@@ -125,6 +128,33 @@ static void print_cache(const measured_catalogue *measured, FILE *stream) {
     }
 }
 
+static uint64_t parent_bytes(const measured_catalogue *measured) {
+    return measured->catalogue->vertex_count * sizeof(uint32_t);
+}
+
+// In sides of an equilateral whole.
+static double farthest_parent(const measured_catalogue *measured) {
+    return sqrt((double)measured->parents.farthest) / GIRIH_BARYCENTRIC_ONE;
+}
+
+static void print_parents(const measured_catalogue *measured, FILE *stream) {
+    const girih_parent_figures *parents = &measured->parents;
+    uint32_t levels[3];
+    levels_of(measured->catalogue, parents->farthest_rank, levels);
+    fprintf(stream,
+            "\nparents, where vertices go as patterns fade into the next coarser ones\n"
+            "  bytes            %6" PRIu64 "\n"
+            "  staying          %6" PRIu64 "  middles of edges, and %" PRIu64
+            " vertices inside %" PRIu32 " patterns\n"
+            "  childless        %6" PRIu64 "  vertices that are no parents, for %" PRIu32
+            " patterns\n"
+            "  uneven patterns  %6" PRIu32 "  have symmetric vertices with other parents\n"
+            "  farthest         %6.3f  sides of the whole, [%" PRIu32 ",%" PRIu32 ",%" PRIu32 "]\n",
+            parent_bytes(measured), parents->staying_middles, parents->staying_inside,
+            parents->staying_patterns, parents->childless, parents->childless_patterns,
+            parents->uneven_patterns, farthest_parent(measured), levels[0], levels[1], levels[2]);
+}
+
 static void print_rows(const measured_catalogue *measured, FILE *stream) {
     fprintf(stream, "\n%-13s %9s %9s %9s %9s %9s %9s\n", "pattern", "triangles", "vertices",
             "angle", "bound", "shortest", "longest");
@@ -218,6 +248,20 @@ static json_t *describe_sizes(const measured_catalogue *measured) {
                      "degenerate_triangles", (json_int_t)totals->degenerate);
 }
 
+static json_t *describe_parents(const measured_catalogue *measured) {
+    const girih_parent_figures *parents = &measured->parents;
+    uint32_t levels[3];
+    levels_of(measured->catalogue, parents->farthest_rank, levels);
+    return json_pack(
+        "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:[iii]}", "bytes",
+        (json_int_t)parent_bytes(measured), "staying_middles", (json_int_t)parents->staying_middles,
+        "staying_inside", (json_int_t)parents->staying_inside, "staying_patterns",
+        (json_int_t)parents->staying_patterns, "childless", (json_int_t)parents->childless,
+        "childless_patterns", (json_int_t)parents->childless_patterns, "uneven_patterns",
+        (json_int_t)parents->uneven_patterns, "farthest", farthest_parent(measured),
+        "farthest_pattern", (int)levels[0], (int)levels[1], (int)levels[2]);
+}
+
 static json_t *describe_quality(const measured_catalogue *measured) {
     const girih_catalogue *catalogue = measured->catalogue;
     const girih_quality_totals *totals = &measured->totals;
@@ -228,7 +272,7 @@ static json_t *describe_quality(const measured_catalogue *measured) {
         has_worst ? json_pack("[iii]", (int)worst[0], (int)worst[1], (int)worst[2]) : json_null();
     const bool has_edges = totals->longest > 0;
     return json_pack(
-        "{s:f, s:f, s:f, s:f, s:f, s:o, s:o, s:o, s:o, s:I, s:f, s:f, s:o, s:o, s:o}",
+        "{s:f, s:f, s:f, s:f, s:f, s:o, s:o, s:o, s:o, s:I, s:f, s:f, s:o, s:o, s:o, s:o}",
         "mean_triangle_min_angle", totals->mean_triangle_angle, "mean_min_angle_bound",
         totals->mean_bound, "worst_min_angle_bound", totals->worst_bound, "mean_area_ratio",
         totals->mean_area_ratio, "worst_area_ratio", totals->worst_area_ratio, "shapes",
@@ -238,7 +282,8 @@ static json_t *describe_quality(const measured_catalogue *measured) {
         "vertices_per_triangle", per_triangle(catalogue, catalogue->vertex_count),
         "cache_misses_per_triangle", per_triangle(catalogue, totals->cache_misses),
         "worst_cache_misses_per_vertex", real_or_null(totals->worst_cache, has_worst),
-        "worst_cache_pattern", worst_pattern, "patterns", describe_patterns(measured));
+        "worst_cache_pattern", worst_pattern, "parents", describe_parents(measured), "patterns",
+        describe_patterns(measured));
 }
 
 static girih_result print_json(const measured_catalogue *measured, FILE *stream,
@@ -265,9 +310,13 @@ girih_result girih_report_info(const girih_catalogue *catalogue, girih_report_fo
     girih_result result =
         qualities ? girih_quality_measure_catalogue(catalogue, qualities, progress, error)
                   : girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no memory to measure patterns");
+    girih_parent_figures parents;
+    if (result == GIRIH_OK) {
+        result = girih_parents_measure_catalogue(catalogue, &parents, error);
+    }
     if (result == GIRIH_OK) {
         const measured_catalogue measured = {catalogue, qualities,
-                                             girih_quality_total(catalogue, qualities)};
+                                             girih_quality_total(catalogue, qualities), parents};
         if (form == GIRIH_REPORT_JSON) {
             result = print_json(&measured, stream, error);
         } else {
@@ -276,6 +325,7 @@ girih_result girih_report_info(const girih_catalogue *catalogue, girih_report_fo
             print_histogram(&measured, stream);
             print_spacing(&measured, stream);
             print_cache(&measured, stream);
+            print_parents(&measured, stream);
             if (form == GIRIH_REPORT_ROWS) {
                 print_rows(&measured, stream);
             }

@@ -7,6 +7,7 @@
 
 #include "error.h"
 #include "family.h"
+#include "parent_laws.h"
 
 // A directed edge of a triangle, by its end points.
 typedef struct directed_edge {
@@ -300,5 +301,5 @@ girih_result girih_laws_check_catalogue(const girih_catalogue *catalogue, girih_
         }
         girih_pattern_free(&pattern);
     }
-    return result;
+    return result == GIRIH_OK ? girih_parent_laws_check_catalogue(catalogue, error) : result;
 }

@@ -27,7 +27,7 @@ girih_result girih_laws_check_pattern(const uint32_t segments[3], const uint32_t
 girih_result girih_laws_check_built(const char *family, const girih_pattern *pattern,
                                     girih_error *error);
 
-// Checks all patterns of an opened catalogue, each as girih_laws_check_built does.
+// Checks all patterns of an opened catalogue, each as girih_laws_check_built does, then their parents (parent_laws.h).
 girih_result girih_laws_check_catalogue(const girih_catalogue *catalogue, girih_error *error);
 
 // The triangles of all patterns that have a corner twice: in a lawful catalogue, those without area.

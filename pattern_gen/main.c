@@ -458,7 +458,7 @@ static const command commands[] = {
      "  girih-patterns import linear.json -o linear.gpat\n",
      output_options, run_import},
     {"info", "FILE", 1,
-     "Print a catalogue's figures: patterns, sizes, angles, spacing, vertex reuse.\v"
+     "Print a catalogue's figures: patterns, sizes, angles, spacing, vertex reuse, parents.\v"
      "Examples:\n"
      "  girih-patterns info dyadic.gpat\n"
      "  girih-patterns info dyadic.gpat --verbose\n"
@@ -478,14 +478,14 @@ static const command commands[] = {
      "  girih-patterns sheet linear.gpat -o some.png --patterns '4,2,1;8,8,3'\n",
      sheet_options, run_sheet},
     {"dump", "FILE", 1,
-     "Print every vertex and triangle of a catalogue.\v"
+     "Print every vertex, its parent, and every triangle of a catalogue.\v"
      "Examples:\n"
      "  girih-patterns dump linear.gpat --json > linear.json\n",
      json_options, run_dump},
     {"check", "FILE", 1,
      "Check every law of a catalogue: distinct vertices, exact borders, positive areas that add up "
-     "to the whole, every inner edge shared by two triangles. Degenerate triangles, which have a corner "
-     "twice, are counted; only the family semiuniform may have them.\v"
+     "to the whole, every inner edge shared by two triangles, parents that turn no triangle over. Degenerate "
+     "triangles, which have a corner twice, are counted; only the family semiuniform may have them.\v"
      "Examples:\n"
      "  girih-patterns check dyadic.gpat\n",
      no_options, run_check},

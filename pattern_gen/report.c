@@ -19,6 +19,17 @@ void girih_report_levels(const girih_catalogue *catalogue, const girih_base_patt
     }
 }
 
+// Weights of packed vertices.
+static void print_places(const uint32_t *places, uint32_t count, bool json, FILE *stream) {
+    for (uint32_t n = 0; n < count; n++) {
+        const uint32_t u = places[n] & 0xffff;
+        const uint32_t v = places[n] >> 16;
+        const char *separator = json && n > 0 ? "," : "";
+        fprintf(stream, json ? "%s[%" PRIu32 ",%" PRIu32 ",%" PRIu32 "]" : "%s%" PRIu32 " %" PRIu32 " %" PRIu32 "\n",
+                separator, u, v, GIRIH_BARYCENTRIC_ONE - u - v);
+    }
+}
+
 // Written number by number rather than through a JSON tree, which would take gigabytes for a large
 // catalogue.
 girih_result girih_report_dump(const girih_catalogue *catalogue, bool json, FILE *stream,
@@ -40,7 +51,6 @@ girih_result girih_report_dump(const girih_catalogue *catalogue, bool json, FILE
     }
     for (uint32_t rank = 0; rank < catalogue->pattern_count; rank++) {
         const girih_base_pattern *pattern = girih_catalogue_pattern(catalogue, rank);
-        const uint32_t *vertices = girih_catalogue_vertices(catalogue, pattern);
         uint32_t levels[3];
         girih_report_levels(catalogue, pattern, levels);
         if (json) {
@@ -52,14 +62,9 @@ girih_result girih_report_dump(const girih_catalogue *catalogue, bool json, FILE
                     levels[0], levels[1], levels[2], pattern->vertex_count,
                     pattern->triangle_count);
         }
-        for (uint32_t n = 0; n < pattern->vertex_count; n++) {
-            uint32_t u = vertices[n] & 0xffff;
-            uint32_t v = vertices[n] >> 16;
-            const char *separator = json && n > 0 ? "," : "";
-            fprintf(stream, json ? "%s[%" PRIu32 ",%" PRIu32 ",%" PRIu32 "]"
-                                 : "%s%" PRIu32 " %" PRIu32 " %" PRIu32 "\n",
-                    separator, u, v, GIRIH_BARYCENTRIC_ONE - u - v);
-        }
+        print_places(girih_catalogue_vertices(catalogue, pattern), pattern->vertex_count, json, stream);
+        fputs(json ? "],\"parents\":[" : "parents\n", stream);
+        print_places(girih_catalogue_parents(catalogue, pattern), pattern->vertex_count, json, stream);
         fputs(json ? "],\"triangles\":[" : "triangles\n", stream);
         for (uint32_t n = 0; n < pattern->triangle_count; n++) {
             const char *separator = json && n > 0 ? "," : "";

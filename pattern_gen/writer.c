@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #define XXH_INLINE_ALL
@@ -14,6 +15,7 @@
 
 #include "error.h"
 #include "output.h"
+#include "parents_table.h"
 
 #define MOST_THREADS 64u
 
@@ -212,6 +214,21 @@ static girih_result append(FILE *from, uint64_t bytes, FILE *to, uint64_t offset
     return GIRIH_OK;
 }
 
+// Parents take two patterns each, so they are found once all else is in the file, and written into its pages.
+static girih_result write_parents(const girih_catalogue *header, FILE *stream, girih_error *error) {
+    void *bytes = MAP_FAILED;
+    if (fflush(stream) == 0) {
+        bytes = mmap(NULL, header->bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fileno(stream), 0);
+    }
+    if (bytes == MAP_FAILED) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT, "cannot map the catalogue: %s", strerror(errno));
+    }
+    uint32_t *parents = (uint32_t *)((char *)bytes + header->parent_offset);
+    const girih_result result = girih_parents_fill(bytes, parents, error);
+    munmap(bytes, header->bytes);
+    return result;
+}
+
 // The checksum covers what is in the file, read back after everything else is written.
 static girih_result write_checksum(girih_catalogue *header, FILE *stream, girih_error *error) {
     const size_t hashed = offsetof(girih_catalogue, checksum) + sizeof header->checksum;
@@ -248,7 +265,8 @@ static girih_result write_all(const girih_family *family, girih_catalogue *heade
     uint64_t index_bytes = 0;
     girih_result result =
         build_and_write(family, header, patterns, &index_bytes, stream, indices, progress, error);
-    const uint64_t index_offset = header->vertex_offset + header->vertex_count * sizeof(uint32_t);
+    header->parent_offset = header->vertex_offset + header->vertex_count * sizeof(uint32_t);
+    const uint64_t index_offset = header->parent_offset + header->vertex_count * sizeof(uint32_t);
     header->bytes = align(index_offset + index_bytes, 8);
     for (uint32_t rank = 0; rank < header->pattern_count; rank++) {
         patterns[rank].index_offset += index_offset;
@@ -267,6 +285,9 @@ static girih_result write_all(const girih_family *family, girih_catalogue *heade
     if (result == GIRIH_OK) {
         result = write_at(stream, header->pattern_offset, patterns,
                           header->pattern_count * sizeof *patterns, error);
+    }
+    if (result == GIRIH_OK) {
+        result = write_parents(header, stream, error);
     }
     if (result == GIRIH_OK) {
         result = write_checksum(header, stream, error);

@@ -80,6 +80,8 @@ static void test_same_bytes_twice(void **state) {
             assert_int_equal(a->triangle_count, b->triangle_count);
             assert_memory_equal(girih_catalogue_vertices(small, a), girih_catalogue_vertices(built_in[n], b),
                                 a->vertex_count * sizeof(uint32_t));
+            assert_memory_equal(girih_catalogue_parents(small, a), girih_catalogue_parents(built_in[n], b),
+                                a->vertex_count * sizeof(uint32_t));
             for (uint32_t index = 0; index < 3 * a->triangle_count; index++) {
                 assert_int_equal(girih_catalogue_index(small, a, index), girih_catalogue_index(built_in[n], b, index));
             }
@@ -186,11 +188,11 @@ static void test_damage_is_refused(void **state) {
     memcpy(bytes, dyadic, size);
     size_t step = size / 4001;
     size_t damaged = 0;
-    for (size_t offset = 0; offset < size; offset += offset < 96 ? 1 : step) {
+    for (size_t offset = 0; offset < size; offset += offset < sizeof *dyadic ? 1 : step) {
         unsigned char kept = bytes[offset];
         bytes[offset] = (unsigned char)(kept ^ 1u << offset % 8);
         assert_refused(bytes, size);
-        if (offset < 96) {
+        if (offset < sizeof *dyadic) {
             for (unsigned other = 0; other < 256; other++) {
                 if (other != kept) {
                     bytes[offset] = (unsigned char)other;
@@ -224,6 +226,60 @@ static void test_truncation_is_refused(void **state) {
         }
         free(bytes);
     }
+}
+
+// With its checksum mended.
+static void forge(block *catalogue) {
+    girih_catalogue *header = catalogue->bytes;
+    header->checksum = XXH64((const char *)catalogue->bytes + 32, catalogue->size - 32, 0);
+}
+
+static void test_parents_are_checked(void **state) {
+    (void)state;
+    block small = generate(GIRIH_SPACING_LINEAR, 3);
+    girih_catalogue *header = small.bytes;
+    uint32_t *parents = (uint32_t *)((char *)small.bytes + header->parent_offset);
+    const girih_base_pattern *last = girih_catalogue_pattern(header, header->pattern_count - 1);
+    assert_ptr_equal(girih_catalogue_parents(header, last), parents + last->first_vertex);
+
+    const uint32_t kept = parents[5];
+    parents[5] = GIRIH_BARYCENTRIC_ONE | 1u << 16;
+    forge(&small);
+    assert_refused(small.bytes, small.size);
+    parents[5] = kept;
+    const uint64_t offsets[] = {0, header->vertex_offset, header->parent_offset + 2, header->parent_offset + 4,
+                                header->bytes, UINT64_MAX - 3};
+    const uint64_t offset = header->parent_offset;
+    for (size_t n = 0; n < sizeof offsets / sizeof *offsets; n++) {
+        header->parent_offset = offsets[n];
+        forge(&small);
+        assert_refused(small.bytes, small.size);
+    }
+    header->parent_offset = offset;
+    forge(&small);
+    assert_lawful(small.bytes, small.size);
+
+    // Places inside, but against the laws.
+    parents[last->first_vertex] = parents[last->first_vertex + 1];
+    forge(&small);
+    girih_error error = {.message = ""};
+    assert_int_equal(girih_catalogue_open(small.bytes, small.size, &(const girih_catalogue *){NULL}, NULL), GIRIH_OK);
+    assert_int_equal(girih_laws_check_catalogue(header, &error), GIRIH_ERROR_INVALID_DATA);
+    assert_non_null(strstr(error.message, "parent"));
+    free(small.bytes);
+}
+
+static void test_other_versions_are_refused(void **state) {
+    (void)state;
+    block small = generate(GIRIH_SPACING_LINEAR, 3);
+    girih_catalogue *header = small.bytes;
+    assert_int_equal(header->version, 3);
+    header->version = 2;
+    girih_error error = {.message = ""};
+    const girih_catalogue *catalogue = NULL;
+    assert_int_equal(girih_catalogue_open(small.bytes, small.size, &catalogue, &error), GIRIH_ERROR_INVALID_DATA);
+    assert_string_equal(error.message, "catalogue: format version 2, only 3 is known; generate it anew");
+    free(small.bytes);
 }
 
 // Bytes changed behind the checksum's back: refused, or still safe to use. The laws read every
@@ -393,6 +449,8 @@ int main(void) {
         cmocka_unit_test(test_wrong_arguments),
         cmocka_unit_test(test_damage_is_refused),
         cmocka_unit_test(test_truncation_is_refused),
+        cmocka_unit_test(test_parents_are_checked),
+        cmocka_unit_test(test_other_versions_are_refused),
         cmocka_unit_test(test_forged_catalogues_are_safe),
         cmocka_unit_test(test_json),
         cmocka_unit_test(test_degenerate_triangles_are_counted),

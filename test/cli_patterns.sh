@@ -95,7 +95,12 @@ expect_one_line 'a folder that is not there'
 expect 0 dump small.gpat --json
 cp out small.json
 json 'o["family"] == "optimal" and o["denominator"] == 32768'
+json 'all(len(p["parents"]) == len(p["vertices"]) and p["parents"][:3] == p["vertices"][:3] for p in o["patterns"])'
 expect 0 import small.json -o again.gpat
+same again.gpat small.gpat
+# Parents are found anew.
+change 'for pattern in o["patterns"]: pattern["parents"] = "no"'
+expect 0 import changed.json -o again.gpat
 same again.gpat small.gpat
 change 'o["patterns"].reverse(); o["family"] = "reversed"'
 expect 0 import changed.json -o reversed.gpat
@@ -144,6 +149,10 @@ json 'o["shapes"]["equilateral"]["mean_min_angle"] == o["mean_min_angle"]'
 json 'all(o["shapes"][s]["mean_min_angle"] < o["mean_min_angle"] for s in ("right", "thin", "obtuse"))'
 json 'o["patterns"][0]["shortest_spacing"] is None and o["shortest_spacing"] > 0'
 json '0 < o["worst_area_ratio"] <= o["mean_area_ratio"] <= 1 and 0.4 < o["cache_misses_per_triangle"] < 3'
+json 'o["parents"]["bytes"] == 4 * o["vertices"] and o["parents"]["uneven_patterns"] == 0'
+json '0 < o["parents"]["farthest"] < 1 and len(o["parents"]["farthest_pattern"]) == 3'
+# Every edge of two segments has a middle that stays.
+json 'o["parents"]["staying_middles"] == sum(p["levels"].count(1) for p in o["patterns"])'
 
 # --- compare ---
 expect 0 compare small.gpat reversed.gpat --json

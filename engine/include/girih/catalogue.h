@@ -21,7 +21,7 @@ extern "C" {
 #define GIRIH_BARYCENTRIC_ONE 32768u
 
 #define GIRIH_CATALOGUE_MAGIC 0x4150544948524947ull // "GIRIHPAT" read as a little-endian integer
-#define GIRIH_CATALOGUE_VERSION 2u
+#define GIRIH_CATALOGUE_VERSION 3u
 
 typedef enum girih_spacing {
     GIRIH_SPACING_DYADIC = 0, // level l splits an edge into 2^l segments
@@ -59,13 +59,14 @@ typedef struct girih_catalogue {
     uint64_t triangle_count; // of all patterns together
     uint64_t pattern_offset; // girih_base_pattern[pattern_count], in the order of their rank
     uint64_t vertex_offset;  // uint32_t[vertex_count]: u | v << 16, w = 32768 - u - v
+    uint64_t parent_offset;  // uint32_t[vertex_count]: each vertex' parent, packed as it is
     char family[16];         // zero-terminated name, as "uniform"
 } girih_catalogue;
 
 // Checks a catalogue in memory and returns it as a view of the same bytes in *catalogue: size,
-// magic, version, checksum, offsets, and every pattern's levels, ranges and indices. The bytes stay
-// the caller's, must be aligned to 8 and must outlive the view. A damaged catalogue gives
-// GIRIH_ERROR_INVALID_DATA and a reason. Thread-safe.
+// magic, version, checksum, offsets, and every pattern's levels, ranges, places and indices. The
+// bytes stay the caller's, must be aligned to 8 and must outlive the view. A damaged catalogue
+// gives GIRIH_ERROR_INVALID_DATA and a reason. Thread-safe.
 GIRIH_API girih_result girih_catalogue_open(const void *bytes, size_t size,
                                             const girih_catalogue **catalogue, girih_error *error);
 
@@ -81,6 +82,13 @@ GIRIH_API const girih_base_pattern *girih_catalogue_pattern(const girih_catalogu
 // A pattern's packed vertices, vertex_count of them: u | v << 16.
 GIRIH_API const uint32_t *girih_catalogue_vertices(const girih_catalogue *catalogue,
                                                    const girih_base_pattern *pattern);
+
+// The parents of a pattern's vertices, packed as these are: where each goes as the pattern of
+// levels i, j, k fades into that of max(i - 1, 0), max(j - 1, 0), max(k - 1, 0). No triangle is
+// turned over on the way's end, and the vertices lie on those of the coarser pattern, but for the
+// few that stay where they are (doc/patterns.md).
+GIRIH_API const uint32_t *girih_catalogue_parents(const girih_catalogue *catalogue,
+                                                  const girih_base_pattern *pattern);
 
 // Index n in [0, 3 * triangle_count) of a pattern, local to its vertices.
 GIRIH_API uint32_t girih_catalogue_index(const girih_catalogue *catalogue,
