@@ -29,6 +29,8 @@ static girih_arrays make_arrays(uint32_t triangle_count, uint32_t group_count) {
             memset(arrays.words[binding], 0xa5, (size_t)arrays.count[binding] * sizeof(uint32_t));
         }
     }
+    // No parts of split triangles.
+    memset(arrays.words[GIRIH_BIND_STATUS], 0, GIRIH_STATUS_WORDS * sizeof(uint32_t));
     return arrays;
 }
 
