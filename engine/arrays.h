@@ -73,19 +73,20 @@ typedef struct girih_plan_shape {
     uint64_t max_vertices, max_triangles; // raised to the level-0 output
     int pattern_draws;                    // baked draws use the catalogue's indices
     int serial_sort;                      // chooses the size of the sort's blocks
-    uint32_t max_segments; // edges ask for at most so many; beyond the catalogue's triangles are split
-    uint32_t max_splits;   // room for their parts; 0: nothing is split
-    uint32_t previous; // not 0: output vertices have their previous position after the attributes
+    uint32_t
+        max_segments; // edges ask for at most so many; beyond the catalogue's triangles are split
+    uint32_t max_splits; // room for their parts; 0: nothing is split
+    uint32_t previous;   // not 0: output vertices have their previous position after the attributes
 } girih_plan_shape;
 
 // Fills INSTANCES and BLOCKS and all of the frame's fields that neither the catalogue, the scene
 // nor girih_pack_frame fill (but for reach, variant, first_index and first_list_index, which are
 // the caller's), and sets count (leaving words NULL) of the plan's other arrays: LEVELS, KEYS,
-// SPLITS, ITEMS, ITEMS_SPARE, COUNTERS, GROUPS, STATUS, DRAWS, WELD_OFFSETS. Reads frame.range_count,
-// pattern_count, material_count, attribute_floats. Counts beyond 2^30 triangles or edges, or 2^28
-// groups, are refused with GIRIH_ERROR_TOO_LARGE. Raises shape->max_vertices and max_triangles to
-// the level-0 output (triangles: the instances' triangles; baked vertices: 3 a triangle; welded:
-// the corners).
+// SPLITS, ITEMS, ITEMS_SPARE, COUNTERS, GROUPS, STATUS, DRAWS, WELD_OFFSETS. Reads
+// frame.range_count, pattern_count, material_count, attribute_floats. Counts beyond 2^30 triangles
+// or edges, or 2^28 groups, are refused with GIRIH_ERROR_TOO_LARGE. Raises shape->max_vertices and
+// max_triangles to the level-0 output (triangles: the instances' triangles and max_splits; baked
+// vertices: 3 a triangle; welded: the corners).
 girih_result girih_pack_plan(girih_arrays *arrays, girih_plan_shape *shape,
                              const girih_scene_table *table, const girih_instance *instances,
                              uint32_t instance_count, girih_error *error);
@@ -105,8 +106,8 @@ void girih_pack_transform(uint32_t *record, const float transform[12], const flo
 girih_result girih_pack_frame(girih_arrays *arrays, const girih_frame *frame, girih_error *error);
 
 // The level that is left to the parts of an edge of this level when it is split: half of the levels
-// (linear: about the root of the segments, but 8; a power of two), or more where the catalogue cannot
-// split so finely.
+// (linear: about the root of the segments, but 8; a power of two), or more where the catalogue
+// cannot split so finely.
 uint32_t girih_rest_level(const girih_frame_block *frame, uint32_t level);
 
 // Passes of the sort, and how many bits of the group number each takes.

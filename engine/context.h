@@ -16,7 +16,7 @@ enum {
 };
 #undef GIRIH_SHADER_ID
 
-// Variants of one shader: at most six of the bits of GIRIH_VARIANT_* concern it.
+// Variants of one shader: at most eight of the bits of GIRIH_VARIANT_* concern it.
 #define GIRIH_MAX_VARIANTS 256
 
 // A range of a buffer: girih's own, with memory of its own, or a part of the host's.

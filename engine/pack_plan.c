@@ -207,8 +207,11 @@ static void choose_splits(girih_frame_block *frame, const girih_plan_shape *shap
         }
     }
     frame->last_level = level;
-    frame->max_splits = level > last ? shape->max_splits : 0;
-    // One more than the longest edge needs: an edge inside may ask for more than what is left to those around it.
+    // There even where nothing will be split, so that a host knows by what it asked for whether its
+    // instanced vertex input tells of parts.
+    frame->max_splits = shape->max_segments > 0 ? shape->max_splits : 0;
+    // One more than the longest edge needs: an edge inside may ask for more than what is left to
+    // those around it.
     frame->split_passes = level > last ? 1 : 0;
     while (level > last) {
         level = girih_rest_level(frame, level);
@@ -322,8 +325,7 @@ static girih_result choose_sizes(girih_arrays *arrays, girih_plan_shape *shape, 
     }
     choose_sort(arrays, shape->serial_sort);
     arrays->count[GIRIH_BIND_LEVELS] = at_least(sums->edges, 1);
-    arrays->count[GIRIH_BIND_SPLITS] =
-        at_least((uint64_t)frame->max_splits * GIRIH_SPLIT_WORDS, 1);
+    arrays->count[GIRIH_BIND_SPLITS] = at_least((uint64_t)frame->max_splits * GIRIH_SPLIT_WORDS, 1);
     arrays->count[GIRIH_BIND_KEYS] = at_least(sums->triangles + frame->max_splits, 1);
     arrays->count[GIRIH_BIND_GROUPS] = (groups + 1) * GIRIH_GROUP_WORDS;
     arrays->count[GIRIH_BIND_STATUS] =

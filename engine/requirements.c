@@ -33,8 +33,8 @@
     X(maxDrawIndirectCount)
 
 #define FEW_STORAGE_BUFFERS 4u // a stage; see GIRIH_BIND_SHARED_SCENE
-// Every binding but the frame block is a storage buffer.
 #define LARGEST_PATCH_WORDS (GIRIH_PATCH_WORDS_PN + GIRIH_PATCH_WORDS_PART)
+// Every binding but the frame block is a storage buffer.
 #define ALL_STORAGE_BUFFERS (GIRIH_BIND_COUNT - 1u)
 // More than one material's draws in a plan that draws with the catalogue's indices.
 #define MOST_DRAWS (1u << 20)

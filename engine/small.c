@@ -9,8 +9,8 @@
 
 bool girih_is_small(const girih_plan *plan) {
     const girih_frame_block *frame = &plan->arrays.frame;
-    return plan->mode != GIRIH_MODE_WELDED && frame->max_splits == 0 && frame->triangle_count <= MOST_TRIANGLES &&
-           frame->group_count <= MOST_GROUPS &&
+    return plan->mode != GIRIH_MODE_WELDED && frame->max_splits == 0 &&
+           frame->triangle_count <= MOST_TRIANGLES && frame->group_count <= MOST_GROUPS &&
            (uint64_t)frame->draws_per_material * frame->material_count <= MOST_DRAWS;
 }
 

@@ -203,11 +203,11 @@ void dispatch_groups() {
         border = add_wide(uvec2(girih_frame.corner_count, 0u),
                           uvec2(GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES), GIRIH_AT_STATUS(GIRIH_STATUS_WELD_VERTICES + 1u)));
     }
+    uint no_parts = GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW;
+    no_parts |= GIRIH_AT_STATUS(GIRIH_STATUS_SPLIT_UNDONE) != 0u ? GIRIH_STATUS_SPLIT_OVERFLOW : 0u;
     Sums total;
     Sums sums = scan_lanes(sum_run(begin, end, range), total);
     uvec2 vertices = add_wide(total.vertices, border);
-    uint no_parts = GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW;
-    no_parts |= GIRIH_AT_STATUS(GIRIH_STATUS_SPLIT_UNDONE) != 0u ? GIRIH_STATUS_SPLIT_OVERFLOW : 0u;
     bool level0 = no_parts != 0u || exceeds(total.triangles, girih_frame.max_triangles) ||
                   (girih_frame.output_mode != GIRIH_OUTPUT_INSTANCED && exceeds(vertices, girih_frame.max_vertices));
     if (lane == 0u) {
@@ -216,6 +216,11 @@ void dispatch_groups() {
         GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_TRIANGLES) = total.triangles.x;
         GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_TRIANGLES + 1u) = total.triangles.y;
         GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) = no_parts | (level0 ? GIRIH_STATUS_OVERFLOW : 0u);
+        if (no_parts != 0u) {
+            GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS) = 0u;
+            GIRIH_AT_STATUS(GIRIH_STATUS_SPLIT_ROOTS) = 0u;
+            GIRIH_AT_STATUS(GIRIH_STATUS_SPLIT_AGAIN) = 0u;
+        }
     }
     if (level0) {
         merge_groups();
@@ -308,6 +313,7 @@ void dispatch_groups() {
         }
         write_dispatch(GIRIH_STATUS_EVALUATE, invocations);
         write_dispatch(GIRIH_STATUS_INTERIOR, invocations - first_interior);
+        write_dispatch(GIRIH_STATUS_PARTS, GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS) + total.chunks);
         GIRIH_AT_STATUS(GIRIH_STATUS_FIRST_INTERIOR) = first_interior;
     }
 }

@@ -157,13 +157,17 @@ void main() {
     bool parts = girih_has(GIRIH_VARIANT_PARTS);
     bool there;
     if (parts) {
-        // All vertices of a part: its levels are about half of the triangle's.
+        // Invocation n has the first chunk of part n; further chunks, of parts and others, follow.
         uint part = girih_invocation();
-        there = part < GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS);
-        uint item = GIRIH_AT_SPLIT_FOURS((there ? part : 0u) * (GIRIH_SPLIT_WORDS / 4u))[GIRIH_SPLIT_ITEM];
-        there = there && item != 0u;
-        number = max(item, 1u) - 1u;
-        chunk = 0u;
+        uint splits = GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS);
+        bool first_chunk = part < splits;
+        there = girih_work(part - splits + GIRIH_AT_STATUS(GIRIH_STATUS_ITEMS), 0u, number, chunk) && !first_chunk;
+        if (first_chunk) {
+            uint item = GIRIH_AT_SPLIT_FOURS(part * (GIRIH_SPLIT_WORDS / 4u))[GIRIH_SPLIT_ITEM];
+            there = item != 0u;
+            number = max(item, 1u) - 1u;
+            chunk = 0u;
+        }
     } else {
         there = girih_work(girih_interleaved_invocation(),
                            interior ? GIRIH_AT_STATUS(GIRIH_STATUS_FIRST_INTERIOR) : 0u, number, chunk);
@@ -177,7 +181,7 @@ void main() {
     uint border = interior ? girih_group(item.group, GIRIH_GROUP_INTERIOR) : 0u;
     uint first = work[GIRIH_GROUP_BASE_VERTEX - GIRIH_GROUP_VERTICES] + number * (count - border) - border;
     uint begin = chunk * GIRIH_CHUNK_VERTICES;
-    uint end = there ? parts ? count : min(begin + GIRIH_CHUNK_VERTICES, count) : 0u;
+    uint end = there ? min(begin + GIRIH_CHUNK_VERTICES, count) : 0u;
     uint vertices[3];
     girih_item_vertices(item, vertices);
     GirihWeld weld;

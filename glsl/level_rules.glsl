@@ -94,8 +94,8 @@ bool girih_reaches(uint level, float distance_squared, float wanted) {
 }
 
 // The level of the edge from p to q, mesh-space ends for the random rules and GIRIH_LEVELS_OBJECT_LENGTH, world-space
-// ends for GIRIH_LEVELS_LENGTH and GIRIH_LEVELS_HORIZONTAL. `clamped`: it asked for more segments than the catalogue
-// holds.
+// ends for GIRIH_LEVELS_LENGTH and GIRIH_LEVELS_HORIZONTAL. `clamped`: it asked for more segments than the last
+// level has.
 uint girih_edge_level(uint rule, vec3 p, vec3 q, out bool clamped) {
     uint level = 0u;
     uint last = girih_frame.last_level;

@@ -40,7 +40,8 @@ GirihItem girih_read_item(uint number, bool overflow) {
     uint triangle = words[GIRIH_ITEM_TRIANGLE];
     uint key = words[GIRIH_ITEM_KEY];
     item.is_part = girih_has(GIRIH_VARIANT_SPLITS) && triangle >= girih_frame.triangle_count;
-    uint four = (triangle - girih_frame.triangle_count) * (GIRIH_SPLIT_WORDS / 4u);
+    // Where it is none, any record that is there.
+    uint four = item.is_part ? (triangle - girih_frame.triangle_count) * (GIRIH_SPLIT_WORDS / 4u) : 0u;
 #ifdef GIRIH_PARTS_APART
     // One branch for both would have a CPU device walk through both for every vertex.
     bool parts = girih_has(GIRIH_VARIANT_PARTS);

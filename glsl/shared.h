@@ -29,7 +29,7 @@
 #define GIRIH_BIND_INSTANCES 15       // plan: GIRIH_INSTANCE_WORDS each, one more at the end
 #define GIRIH_BIND_BLOCKS 16          // plan: the instance of every 64th triangle, edge, weld edge, welded corner
 #define GIRIH_BIND_LEVELS 17          // plan: one level an instance's edge
-#define GIRIH_BIND_SPLITS 18         // plan: the parts of split triangles, GIRIH_SPLIT_WORDS each
+#define GIRIH_BIND_SPLITS 18          // plan: the parts of split triangles, GIRIH_SPLIT_WORDS each
 #define GIRIH_BIND_KEYS 19            // plan: one key an instance's triangle, then one a part
 #define GIRIH_BIND_ITEMS 20           // plan: the sorted triangles, GIRIH_ITEM_WORDS each
 #define GIRIH_BIND_ITEMS_SPARE 21     // plan: the same, where the sort takes more than one pass
@@ -148,7 +148,7 @@
 #define GIRIH_KEY_CULLED 0xffffffffu
 #define GIRIH_KEY_SPLIT 0x80000000u    // on a key: its parts are drawn, unless they found no room
 #define GIRIH_ITEM_WORDS 2
-#define GIRIH_ITEM_TRIANGLE 0          // the plan's triangle
+#define GIRIH_ITEM_TRIANGLE 0          // the plan's triangle, or part
 #define GIRIH_ITEM_KEY 1
 
 #define GIRIH_GROUP_WORDS 16
@@ -175,8 +175,8 @@
 
 // --- Status: what the host may read after a frame ---------------------------------------------------
 #define GIRIH_STATUS_WORDS 52
-#define GIRIH_STATUS_ITEMS 0            // triangles that were not culled
-#define GIRIH_STATUS_CLAMPED 1          // edges that asked for more than the catalogue holds
+#define GIRIH_STATUS_ITEMS 0            // triangles and parts that are drawn
+#define GIRIH_STATUS_CLAMPED 1          // edges that asked for more than the last level
 #define GIRIH_STATUS_FLAGS 2
 #define GIRIH_STATUS_VERTICES 3         // output, as drawn
 #define GIRIH_STATUS_TRIANGLES 4
@@ -200,7 +200,7 @@
 #define GIRIH_SPLIT_PASS_END 7
 #define GIRIH_SPLIT_PASS_COUNT 8        // what it splits: numbers in the list
 #define GIRIH_SPLIT_PASS_WORDS 9
-#define GIRIH_STATUS_PARTS 46           // VkDispatchIndirectCommand of evaluate, one invocation a part
+#define GIRIH_STATUS_PARTS 46           // VkDispatchIndirectCommand of evaluate: the parts, then the further chunks
 #define GIRIH_STATUS_SPLIT_UNDONE 49    // parts that were to be split after the last pass: none should be
 
 #define GIRIH_STATUS_OVERFLOW 1u        // the frame was drawn at level 0 because it did not fit

@@ -87,7 +87,16 @@ struct Whole {
     GirihPart part;
 };
 
-Whole read_whole(uint number) {
+// The instance of a triangle or a part: a search, so that it is made once for all parts of what is split. A CPU
+// device's turns are counted.
+uint find_instance(uint number) {
+    if (!is_first()) {
+        number = GIRIH_AT_SPLIT_FOURS((number - girih_frame.triangle_count) * (GIRIH_SPLIT_WORDS / 4u))[GIRIH_SPLIT_ROOT];
+    }
+    return girih_find_instance(number, GIRIH_INSTANCE_FIRST_TRIANGLE, girih_frame.triangle_blocks);
+}
+
+Whole read_whole(uint number, uint instance) {
     Whole whole;
     whole.root = number;
     uvec4 levels = uvec4(0u);
@@ -100,7 +109,7 @@ Whole read_whole(uint number) {
         whole.first = (levels[GIRIH_SPLIT_LEVELS + 1] & GIRIH_SPLIT_FIRST) != 0u;
         whole.part = girih_unpack_part(GIRIH_AT_SPLIT_FOURS(four + 1u), GIRIH_AT_SPLIT_FOURS(four + 2u).xy);
     }
-    whole.instance = girih_find_instance(whole.root, GIRIH_INSTANCE_FIRST_TRIANGLE, girih_frame.triangle_blocks);
+    whole.instance = instance;
     whole.scene_triangle = whole.root - girih_instance(whole.instance, GIRIH_INSTANCE_TRIANGLE_DELTA);
     if (is_first()) {
         uvec3 segments;
@@ -162,10 +171,11 @@ Division choose_division(uvec3 levels) {
     return d;
 }
 
-// How many parts place n of the list is split into.
-uint count_parts(uint n) {
+// How many parts place n of the list is split into, and its instance.
+uint count_parts(uint n, out uint instance) {
     uint number = GIRIH_AT_ITEMS(min(n, list_count() - 1u))[GIRIH_ITEM_TRIANGLE];
-    uint count = girih_pattern(choose_division(read_whole(number).levels).rank, GIRIH_PATTERN_TRIANGLES);
+    instance = find_instance(number);
+    uint count = girih_pattern(choose_division(read_whole(number, instance).levels).rank, GIRIH_PATTERN_TRIANGLES);
     return n < list_count() ? count : 0u;
 }
 
@@ -186,7 +196,8 @@ void main() {
         part_count = 0u;
     }
     barrier();
-    atomicAdd(part_count, count_parts(block * girih_lanes + lane));
+    uint instance;
+    atomicAdd(part_count, count_parts(block * girih_lanes + lane, instance));
     barrier();
     if (lane == 0u && block * girih_lanes < list_count()) {
         GIRIH_AT_COUNTERS(block) = part_count;
@@ -261,8 +272,14 @@ void main() {
     // The parts of a pass follow those of the pass before.
     uint first = is_first() ? 0u : pass_range().y - girih_frame.triangle_count;
     uint made = add_parts(first, sum_blocks(blocks_of(count), first));
-    if (gl_LocalInvocationID.x != 0u ||
-        (!is_first() && (GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW) != 0u)) {
+    if (gl_LocalInvocationID.x != 0u) {
+        return;
+    }
+    uint next = pass_word(girih_push.shift + 1u, 0u);
+    if (!is_first() && (GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW) != 0u) {
+        // Nothing is left for any further pass.
+        write_dispatch(next + GIRIH_SPLIT_PASS_MARKS, 0u, GIRIH_SCAN_WORKGROUP);
+        GIRIH_AT_STATUS(next + GIRIH_SPLIT_PASS_END) = GIRIH_AT_STATUS(next + GIRIH_SPLIT_PASS_FIRST);
         return;
     }
     GIRIH_AT_STATUS(GIRIH_STATUS_NEEDED_SPLITS) = made;
@@ -277,8 +294,6 @@ void main() {
         GIRIH_AT_STATUS(word) += count;
     }
     GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS) = overflow ? 0u : made;
-    write_dispatch(GIRIH_STATUS_PARTS, overflow ? 0u : made, GIRIH_WORKGROUP);
-    uint next = pass_word(girih_push.shift + 1u, 0u);
     write_dispatch(next + GIRIH_SPLIT_PASS_MARKS, blocks_of(made - first), GIRIH_SCAN_WORKGROUP);
     GIRIH_AT_STATUS(next + GIRIH_SPLIT_PASS_FIRST) = first;
     GIRIH_AT_STATUS(next + GIRIH_SPLIT_PASS_END) = made;
@@ -393,6 +408,7 @@ void write_part(Whole whole, uint triangle, uint made) {
 
 // The parts of each lane and of all before it, by all lanes together.
 shared uint lane_ends[girih_lanes];
+shared uint lane_instances[girih_lanes];
 
 void scan_parts(uint own) {
     uint lane = gl_LocalInvocationID.x;
@@ -415,7 +431,8 @@ void main() {
     if (overflow || first >= list_count()) {
         return;
     }
-    scan_parts(count_parts(first + lane));
+    uint count = count_parts(first + lane, lane_instances[lane]);
+    scan_parts(count);
     uint total = lane_ends[girih_lanes - 1u];
     uint offset = GIRIH_AT_COUNTERS(block);
     for (uint n = lane; n < total; n += girih_lanes) {
@@ -425,7 +442,8 @@ void main() {
             owner += lane_ends[owner + step - 1u] <= n ? step : 0u;
         }
         uint before = owner > 0u ? lane_ends[owner - 1u] : 0u;
-        write_part(read_whole(GIRIH_AT_ITEMS(first + owner)[GIRIH_ITEM_TRIANGLE]), n - before, offset + n);
+        uint number = GIRIH_AT_ITEMS(first + owner)[GIRIH_ITEM_TRIANGLE];
+        write_part(read_whole(number, lane_instances[owner]), n - before, offset + n);
     }
 }
 

@@ -188,11 +188,15 @@ typedef struct girih_plan_desc {
     uint32_t max_triangles; // room for output triangles; 0: room for level 0 only
     // Unlimited levels: a triangle with an edge that asks for more segments than the catalogue
     // holds is split by a base pattern, on the GPU, and its parts again if need be, until all
-    // levels are the catalogue's. Baked and instanced; 0 in either: edges are clamped to the
-    // catalogue's levels.
-    uint32_t max_segments; // that an edge may ask for; at most 32768 count
-    uint32_t max_splits;   // room for the parts of split triangles, all passes together: 48 bytes
-                           // each and 12 to 20 to sort them. Level 0 counts each as a triangle
+    // levels are the catalogue's. Baked and instanced; the welded mode is refused where both are
+    // set. 0 in either: edges are clamped to the catalogue's levels. Both set: an instanced vertex
+    // shader defines GIRIH_SPLITS (girih.glsl), whether anything will be split or not.
+    uint32_t max_segments; // that an edge may ask for: rounded up to a level, at most 32768, and
+                           // not below the catalogue's. GIRIH_LEVEL_HORIZONTAL_PIXELS: 256 levels
+    uint32_t max_splits; // room for the parts of split triangles, all passes together: 60 to 68
+                         // bytes each; instanced, a patch each as well (128 bytes flat, 240 PN, 48
+                         // own); baked, max_triangles and max_vertices are raised to hold a
+                         // triangle each
     VkBufferUsageFlags vertex_usage;   // usage flags the host wants beside girih's own on the
     VkBufferUsageFlags index_usage;    // position and attribute buffers, and on the index buffers
     const girih_buffer_range *buffers; // [GIRIH_PLAN_BUFFERS]; NULL: girih makes all. They must
@@ -287,7 +291,7 @@ typedef struct girih_statistics {
     uint64_t input_triangles; // of all instances
     uint64_t culled_triangles;
     uint64_t clamped_edges; // edges that asked for more segments than the catalogue holds, or,
-                            // where triangles are split, than max_segments
+                            // where triangles are split, than max_segments allows
     uint64_t split_triangles; // of the input's
     uint64_t parts;           // that they were refined as
     uint64_t needed_splits; // room that parts needed; after an overflow, as far as they were made:
