@@ -226,6 +226,15 @@ uint girih_quotient(inout uint number, uint divisor) {
     return quotient;
 }
 
+// Arguments, from word `field` of STATUS on, of a dispatch of so many invocations in workgroups of `size`.
+void girih_write_dispatch(uint field, uint invocations, uint size) {
+    uint workgroups = (invocations + size - 1u) / size;
+    uint rows = (workgroups + 65534u) / 65535u;
+    GIRIH_AT_STATUS(field) = rows > 1u ? 65535u : workgroups;
+    GIRIH_AT_STATUS(field + 1u) = rows;
+    GIRIH_AT_STATUS(field + 2u) = 1u;
+}
+
 // The first of the sorted items whose group is not before `group`.
 uint girih_first_item(uint group, uint items) {
     uint low = 0u;

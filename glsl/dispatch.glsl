@@ -177,14 +177,6 @@ bool exceeds(uvec2 wide, uint room) {
     return wide.y != 0u || wide.x > room;
 }
 
-void write_dispatch(uint field, uint invocations) {
-    uint workgroups = (invocations + uint(GIRIH_WORKGROUP) - 1u) / uint(GIRIH_WORKGROUP);
-    uint rows = (workgroups + 65534u) / 65535u;
-    GIRIH_AT_STATUS(field) = rows > 1u ? 65535u : workgroups;
-    GIRIH_AT_STATUS(field + 1u) = rows;
-    GIRIH_AT_STATUS(field + 2u) = 1u;
-}
-
 // One workgroup: each lane sums a run of groups, the sums of the lanes before it are added, and it
 // walks its run again to write.
 void dispatch_groups() {
@@ -311,9 +303,9 @@ void dispatch_groups() {
         if (girih_frame.output_mode != GIRIH_OUTPUT_INSTANCED) {
             invocations += total.chunks;
         }
-        write_dispatch(GIRIH_STATUS_EVALUATE, invocations);
-        write_dispatch(GIRIH_STATUS_INTERIOR, invocations - first_interior);
-        write_dispatch(GIRIH_STATUS_PARTS, GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS) + total.chunks);
+        girih_write_dispatch(GIRIH_STATUS_EVALUATE, invocations, uint(GIRIH_WORKGROUP));
+        girih_write_dispatch(GIRIH_STATUS_INTERIOR, invocations - first_interior, uint(GIRIH_WORKGROUP));
+        girih_write_dispatch(GIRIH_STATUS_PARTS, GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS) + total.chunks, uint(GIRIH_WORKGROUP));
         GIRIH_AT_STATUS(GIRIH_STATUS_FIRST_INTERIOR) = first_interior;
     }
 }

@@ -213,14 +213,6 @@ uint add_parts(uint a, uint b) {
     return min(a + b, uint(GIRIH_SPLIT_MOST_PARTS));
 }
 
-void write_dispatch(uint field, uint invocations, uint size) {
-    uint workgroups = (invocations + size - 1u) / size;
-    uint rows = (workgroups + 65534u) / 65535u;
-    GIRIH_AT_STATUS(field) = rows > 1u ? 65535u : workgroups;
-    GIRIH_AT_STATUS(field + 1u) = rows;
-    GIRIH_AT_STATUS(field + 2u) = 1u;
-}
-
 // Leaves in the blocks' counters how many come before each, from `first` on; returns how many there are in all. Each
 // lane sums a run of blocks, the sums of the lanes before it are added, and it walks its run again to write.
 uint sum_blocks(uint blocks, uint first) {
@@ -261,7 +253,7 @@ void main() {
     if (gl_LocalInvocationID.x == 0u) {
         uint word = pass_word(girih_push.shift, 0u);
         GIRIH_AT_STATUS(word + GIRIH_SPLIT_PASS_COUNT) = count;
-        write_dispatch(word + GIRIH_SPLIT_PASS_SPLITS, count, GIRIH_SPLIT_BLOCK);
+        girih_write_dispatch(word + GIRIH_SPLIT_PASS_SPLITS, count, uint(GIRIH_SPLIT_BLOCK));
     }
 }
 
@@ -278,7 +270,7 @@ void main() {
     uint next = pass_word(girih_push.shift + 1u, 0u);
     if (!is_first() && (GIRIH_AT_STATUS(GIRIH_STATUS_FLAGS) & GIRIH_STATUS_SPLIT_OVERFLOW) != 0u) {
         // Nothing is left for any further pass.
-        write_dispatch(next + GIRIH_SPLIT_PASS_MARKS, 0u, GIRIH_SCAN_WORKGROUP);
+        girih_write_dispatch(next + GIRIH_SPLIT_PASS_MARKS, 0u, uint(GIRIH_SCAN_WORKGROUP));
         GIRIH_AT_STATUS(next + GIRIH_SPLIT_PASS_END) = GIRIH_AT_STATUS(next + GIRIH_SPLIT_PASS_FIRST);
         return;
     }
@@ -294,7 +286,7 @@ void main() {
         GIRIH_AT_STATUS(word) += count;
     }
     GIRIH_AT_STATUS(GIRIH_STATUS_SPLITS) = overflow ? 0u : made;
-    write_dispatch(next + GIRIH_SPLIT_PASS_MARKS, blocks_of(made - first), GIRIH_SCAN_WORKGROUP);
+    girih_write_dispatch(next + GIRIH_SPLIT_PASS_MARKS, blocks_of(made - first), uint(GIRIH_SCAN_WORKGROUP));
     GIRIH_AT_STATUS(next + GIRIH_SPLIT_PASS_FIRST) = first;
     GIRIH_AT_STATUS(next + GIRIH_SPLIT_PASS_END) = made;
 }
