@@ -67,6 +67,7 @@ girih_gltf_model *girih_gltf_load(const char *path, void (*warn)(void *user, con
         load_geometry(*model, source, warning);
         load_image_files(*model, source, warning);
         load_scene(*model, source, warning);
+        load_animations(*model, source, warning);
         model->root = std::move(source.root);
     });
     return loaded ? model.release() : nullptr;

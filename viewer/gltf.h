@@ -63,6 +63,15 @@ typedef struct girih_gltf_attribute {
     const float *values; // [vertex_count][components]
 } girih_gltf_attribute;
 
+// A morph target of a primitive: what a weight of 1 adds. NULL and absent attributes add nothing.
+// Only what the primitive itself has is morphed.
+typedef struct girih_gltf_morph_target {
+    const float *positions; // [vertex_count][3] or NULL
+    const float *normals;   // [vertex_count][3] or NULL
+    uint32_t attribute_count;
+    const girih_gltf_attribute *attributes; // TANGENT has 3 components here: the sign stays
+} girih_gltf_morph_target;
+
 // A triangle primitive, whatever its mode and index type were in the file: strips and fans are
 // unrolled, missing indices are made, degenerate triangles stay. Winding is as the file's.
 typedef struct girih_gltf_primitive {
@@ -72,6 +81,10 @@ typedef struct girih_gltf_primitive {
     const float *normals;   // [vertex_count][3] or NULL
     uint32_t attribute_count;
     const girih_gltf_attribute *attributes;
+    uint32_t influence_count; // 4 for each pair of JOINTS_n and WEIGHTS_n, in the order of n
+    const uint32_t *joints;   // [vertex_count][influence_count] into the joints of its nodes' skins
+    const float *weights;     // [vertex_count][influence_count] as in the file: >= 0, sum about 1
+    const girih_gltf_morph_target *targets; // [target_count of its mesh]
     uint32_t index_count;
     const uint32_t *indices; // each below vertex_count
 } girih_gltf_primitive;
@@ -80,14 +93,87 @@ typedef struct girih_gltf_mesh {
     const char *name;         // never NULL: the file's, or "mesh N"
     uint32_t primitive_count; // triangle primitives only; may be 0
     const girih_gltf_primitive *primitives;
+    uint32_t target_count;           // of each primitive
+    const float *weights;            // [target_count] of its targets by default
+    const char *const *target_names; // [target_count] from extras.targetNames, or NULL
 } girih_gltf_mesh;
 
 #define GIRIH_GLTF_NO_NODE UINT32_MAX
 
+// A node's transform, either as a matrix or as translation, rotation and scale, applied from right
+// to left. In double, as the file's decimals are read: deep hierarchies lose little that way.
+typedef struct girih_gltf_transform {
+    bool has_matrix;
+    double matrix[12]; // rows of the 3x4 matrix, where it has one
+    double translation[3];
+    double rotation[4]; // quaternion x, y, z, w, as in the file: of any length
+    double scale[3];
+} girih_gltf_transform;
+
+typedef struct girih_gltf_node {
+    const char *name;   // never NULL: the file's, or "node N"
+    uint32_t parent;    // GIRIH_GLTF_NO_NODE: a root
+    int32_t mesh, skin; // -1: none; a skin without a mesh is none
+    int32_t camera;     // of the file's cameras, -1: none
+    girih_gltf_transform local;
+    const float *weights; // [target_count of its mesh], its mesh's where the node has none of its
+                          // own; NULL without a mesh or targets
+} girih_gltf_node;
+
+// A skinned vertex is, in the world, the sum over its influences of weight times the joint's
+// node-to-world matrix times its inverse bind matrix, applied to the point; the node of the skinned
+// mesh has no part in it (glTF 2.0, section 3.7.3.3).
+typedef struct girih_gltf_skin {
+    const char *name;
+    uint32_t joint_count;
+    const uint32_t *joints;                   // [joint_count] nodes
+    const float (*inverse_bind_matrices)[12]; // [joint_count] rows of 3x4 matrices
+    uint32_t skeleton;                        // GIRIH_GLTF_NO_NODE: not given; has no effect
+} girih_gltf_skin;
+
+typedef enum girih_gltf_interpolation {
+    GIRIH_GLTF_LINEAR, // rotations: spherical
+    GIRIH_GLTF_STEP,
+    GIRIH_GLTF_CUBIC_SPLINE
+} girih_gltf_interpolation;
+
+typedef struct girih_gltf_sampler {
+    girih_gltf_interpolation interpolation;
+    uint32_t key_count;  // at least 1
+    const float *times;  // [key_count] seconds, none before its predecessor
+    uint32_t components; // of a value
+    const float *values; // [key_count][components]; CUBIC_SPLINE: [key_count][3][components], an
+                         // in-tangent, a value and an out-tangent, tangents a second
+} girih_gltf_sampler;
+
+typedef enum girih_gltf_path {
+    GIRIH_GLTF_TRANSLATION, // 3 components
+    GIRIH_GLTF_ROTATION,    // 4
+    GIRIH_GLTF_SCALE,       // 3
+    GIRIH_GLTF_WEIGHTS      // target_count of the node's mesh
+} girih_gltf_path;
+
+typedef struct girih_gltf_channel {
+    uint32_t sampler, node;
+    girih_gltf_path path; // the sampler has as many components as it asks for
+} girih_gltf_channel;
+
+// Channels that girih does not know, or whose node has nothing for them to move, are left out, in
+// one warning an animation.
+typedef struct girih_gltf_animation {
+    const char *name; // never NULL: the file's, or "animation N"
+    float start, end; // seconds: of the first and the last key of its channels; 0 without any
+    uint32_t sampler_count;
+    const girih_gltf_sampler *samplers; // as in the file; one that no channel uses has no keys
+    uint32_t channel_count;
+    const girih_gltf_channel *channels;
+} girih_gltf_animation;
+
 // A mesh placed in the scene: every node with a mesh that the default scene reaches (the first
-// scene where none is the default, all nodes where a file has no scene). A skinned mesh is placed,
-// in its bind pose, by its own node. In a file without any node that has a mesh, every mesh is
-// placed once, untransformed, its node being GIRIH_GLTF_NO_NODE.
+// scene where none is the default, all nodes where a file has no scene), in the pose that its nodes
+// have by themselves. A skinned mesh has the transform of its own node too, which is not where it
+// is seen: pose.h. In a file without any node that has a mesh, every mesh is placed once,
+// untransformed, its node being GIRIH_GLTF_NO_NODE.
 typedef struct girih_gltf_placement {
     uint32_t mesh;
     uint32_t node;
@@ -102,6 +188,7 @@ typedef struct girih_gltf_camera {
     float aspect;                           // width / height, 0: the picture's
     float x_magnification, y_magnification; // orthographic
     float near, far;                        // far 0: infinite
+    uint32_t node;
     float transform[12];                    // node-to-world as above; looks along -z, y up
 } girih_gltf_camera;
 
@@ -117,7 +204,14 @@ typedef struct girih_gltf_contents {
     const girih_gltf_image *images;
     uint32_t camera_count;
     const girih_gltf_camera *cameras;
-    uint32_t animation_count, skin_count, morph_target_count; // what refine drops
+    uint32_t node_count;
+    const girih_gltf_node *nodes; // in the scene or not, as in the file
+    const uint32_t *node_order;   // [node_count] every node, behind its parent
+    uint32_t skin_count;
+    const girih_gltf_skin *skins;
+    uint32_t animation_count;
+    const girih_gltf_animation *animations;
+    uint32_t morph_target_count; // of all meshes
     uint32_t skipped_primitives; // points and lines, each named in a warning
     uint32_t triangle_count;     // of all meshes, each mesh once
 } girih_gltf_contents;

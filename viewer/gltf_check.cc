@@ -2,6 +2,7 @@
 // property that girih reads (glTF 2.0, section 5). Everything behind this check may trust both.
 #include "gltf_model.hh"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -18,7 +19,7 @@ struct rule {
     const char *path; // members, separated by '/'; '*': every element or member
     kind type;
     bool required;
-    std::uint64_t minimum, maximum; // integer: its range; numbers: maximum is their count
+    std::uint64_t minimum, maximum; // integer: its range; numbers: maximum is their count, 0: any
     const char *target;             // index: the top-level array it points into
 };
 
@@ -199,6 +200,7 @@ constexpr rule rules[] = {
     array("meshes/*/primitives/*/targets"),
     object("meshes/*/primitives/*/targets/*"),
     index("meshes/*/primitives/*/targets/*/*", "accessors"),
+    numbers("meshes/*/weights", 0),
 
     array("nodes"),
     object("nodes/*"),
@@ -212,6 +214,7 @@ constexpr rule rules[] = {
     numbers("nodes/*/translation", 3),
     numbers("nodes/*/rotation", 4),
     numbers("nodes/*/scale", 3),
+    numbers("nodes/*/weights", 0),
 
     array("skins"),
     object("skins/*"),
@@ -222,6 +225,17 @@ constexpr rule rules[] = {
 
     array("animations"),
     object("animations/*"),
+    required_array("animations/*/channels"),
+    object("animations/*/channels/*"),
+    required_integer("animations/*/channels/*/sampler", 0, any_size),
+    required_object("animations/*/channels/*/target"),
+    index("animations/*/channels/*/target/node", "nodes"),
+    required_string("animations/*/channels/*/target/path"),
+    required_array("animations/*/samplers"),
+    object("animations/*/samplers/*"),
+    required_index("animations/*/samplers/*/input", "accessors"),
+    required_index("animations/*/samplers/*/output", "accessors"),
+    string("animations/*/samplers/*/interpolation"),
 
     array("scenes"),
     object("scenes/*"),
@@ -278,13 +292,13 @@ void check_value(const json &root, const rule &rule, json &value, const std::str
         }
         break;
     case kind::numbers:
-        if (!value.is_array() || value.size() != rule.maximum) {
-            refuse(where, ("must be " + std::to_string(rule.maximum) + " numbers").c_str());
-        }
-        for (const json &element : value) {
-            if (!element.is_number()) {
-                refuse(where, ("must be " + std::to_string(rule.maximum) + " numbers").c_str());
-            }
+        if (!value.is_array() || (rule.maximum != 0 && value.size() != rule.maximum) ||
+            !std::all_of(value.begin(), value.end(),
+                         [](const json &element) { return element.is_number(); })) {
+            refuse(where,
+                   ("must be " + (rule.maximum == 0 ? "" : std::to_string(rule.maximum) + " ") +
+                    "numbers")
+                       .c_str());
         }
         break;
     case kind::integer:
@@ -342,7 +356,7 @@ const std::set<std::string> understood = {"KHR_texture_transform", "KHR_material
                                           "KHR_mesh_quantization"};
 
 // Optional extensions that leave the picture girih draws as it is: the base colour, metallic,
-// roughness and emission of a surface, in the scene's bind pose.
+// roughness and emission of a surface.
 const std::set<std::string> harmless = {
     "KHR_lights_punctual",
     "KHR_materials_variants",

@@ -187,6 +187,12 @@ std::string label(const json &root, const char *array, const char *kind, std::si
     return text;
 }
 
+std::string name_or_number(const json &element, const char *kind, std::size_t index) {
+    const auto name = element.find("name");
+    return name != element.end() && name->is_string() ? name->get<std::string>()
+                                                      : kind + (" " + std::to_string(index));
+}
+
 document::document(const std::string &path) : file_(read_regular_file(path)) {
     const std::size_t slash = path.rfind('/');
     folder_ = slash == std::string::npos ? "" : path.substr(0, slash + 1);

@@ -1,6 +1,5 @@
-// Accessors and primitives: every range is checked before a byte of it is read, since neither the
-// file nor tinygltf promises any. glTF 2.0, sections 3.6.2 (accessors, sparse ones) and 3.7.2
-// (meshes); KHR_mesh_quantization for integer positions, normals, tangents and coordinates.
+// Meshes and their primitives: glTF 2.0, section 3.7.2; KHR_mesh_quantization for integer
+// positions, normals, tangents and coordinates.
 #include "gltf_model.hh"
 
 #include <algorithm>
@@ -11,116 +10,7 @@
 namespace girih_gltf {
 namespace {
 
-enum component_type : unsigned {
-    type_i8 = 5120,
-    type_u8 = 5121,
-    type_i16 = 5122,
-    type_u16 = 5123,
-    type_u32 = 5125,
-    type_f32 = 5126
-};
-
 enum primitive_mode : unsigned { mode_triangles = 4, mode_strip = 5, mode_fan = 6 };
-
-// An accessor without data is all zeros, so that nothing in the file bounds its count.
-constexpr std::uint64_t greatest_zero_count = 1u << 24;
-
-unsigned component_size(std::uint64_t type, const std::string &where) {
-    switch (type) {
-    case type_i8:
-    case type_u8:
-        return 1;
-    case type_i16:
-    case type_u16:
-        return 2;
-    case type_u32:
-    case type_f32:
-        return 4;
-    default:
-        throw refusal(where + ": unknown component type " + std::to_string(type));
-    }
-}
-
-// How many components an element has; 0 for matrices, which no attribute that girih keeps uses.
-unsigned component_count(const json &accessor) {
-    const std::string &type = accessor["type"].get_ref<const std::string &>();
-    if (type == "SCALAR") {
-        return 1;
-    }
-    return type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 0;
-}
-
-template <typename Integer> float read_integer(const std::uint8_t *from, bool normalized) {
-    Integer value;
-    std::memcpy(&value, from, sizeof value);
-    if (!normalized) {
-        return static_cast<float>(value);
-    }
-    // glTF 2.0, section 3.6.2.2: the most negative value is clamped, so that zero is exact.
-    const float quotient =
-        static_cast<float>(value) / static_cast<float>(std::numeric_limits<Integer>::max());
-    return std::fmax(quotient, -1.0f);
-}
-
-float read_component(const std::uint8_t *from, std::uint64_t type, bool normalized) {
-    switch (type) {
-    case type_i8:
-        return read_integer<std::int8_t>(from, normalized);
-    case type_u8:
-        return read_integer<std::uint8_t>(from, normalized);
-    case type_i16:
-        return read_integer<std::int16_t>(from, normalized);
-    case type_u16:
-        return read_integer<std::uint16_t>(from, normalized);
-    case type_u32: {
-        std::uint32_t value;
-        std::memcpy(&value, from, sizeof value);
-        return static_cast<float>(value);
-    }
-    default: {
-        float value;
-        std::memcpy(&value, from, sizeof value);
-        return value;
-    }
-    }
-}
-
-std::uint32_t read_index(const std::uint8_t *from, std::uint64_t type) {
-    if (type == type_u8) {
-        return *from;
-    }
-    if (type == type_u16) {
-        std::uint16_t value;
-        std::memcpy(&value, from, sizeof value);
-        return value;
-    }
-    std::uint32_t value;
-    std::memcpy(&value, from, sizeof value);
-    return value;
-}
-
-// count elements of element_size bytes in a view, a whole number of strides apart.
-struct elements {
-    const std::uint8_t *data;
-    std::size_t stride;
-};
-
-elements locate(document &source, std::size_t view_index, std::uint64_t offset, std::uint64_t count,
-                std::size_t element_size, const std::string &where) {
-    const document::span view = source.view(view_index);
-    const std::size_t stride = view.stride == 0 ? element_size : view.stride;
-    if (stride < element_size) {
-        throw refusal(where + ": the stride of " + std::to_string(stride) +
-                      " bytes is smaller than an element of " + std::to_string(element_size));
-    }
-    if (offset > view.size || element_size > view.size - offset ||
-        count - 1 > (view.size - offset - element_size) / stride) {
-        throw refusal(where + ": its " + std::to_string(count) + " elements reach beyond the " +
-                      std::to_string(view.size) + " bytes of buffer view " +
-                      std::to_string(view_index));
-    }
-    return {view.data + offset, stride};
-}
 
 class geometry_loader {
 public:
@@ -129,13 +19,17 @@ public:
 
     void load();
 
-private:
-    const std::vector<float> &values(std::size_t accessor_index, bool always_normalized);
+  private:
     std::vector<std::uint32_t> index_list(std::size_t accessor_index, std::uint32_t vertex_count,
                                           const std::string &where);
-    const float *attribute(std::size_t accessor_index, const std::string &name,
+    const float *attribute(std::size_t accessor_index, const std::string &name, bool is_delta,
                            std::uint32_t vertex_count, unsigned &components,
                            const std::string &where);
+    void load_influences(const json &attributes, const std::string &where,
+                         girih_gltf_primitive &primitive);
+    void load_targets(const json &description, const std::string &where,
+                      girih_gltf_primitive &primitive);
+    void load_target_weights(const json &mesh, const std::string &where, girih_gltf_mesh &loaded);
     bool load_primitive(const json &description, const std::string &where,
                         girih_gltf_primitive &primitive);
 
@@ -143,65 +37,6 @@ private:
     document &source_;
     const warner &warn_;
 };
-
-// An accessor's elements as floats, sparse values applied. Decoded once for all its users.
-const std::vector<float> &geometry_loader::values(std::size_t accessor_index,
-                                                  bool always_normalized) {
-    const std::pair<std::size_t, bool> key(accessor_index, always_normalized);
-    const auto known = model_.values.find(key);
-    if (known != model_.values.end()) {
-        return known->second;
-    }
-    const json &accessor = source_.root["accessors"][accessor_index];
-    const std::string where = label(source_.root, "accessors", "accessor", accessor_index);
-    const std::uint64_t type = accessor["componentType"], count = accessor["count"];
-    const unsigned size = component_size(type, where), components = component_count(accessor);
-    const bool normalized = always_normalized || accessor.value("normalized", false);
-    const std::size_t element_size = std::size_t{size} * components;
-
-    elements base = {};
-    if (accessor.contains("bufferView")) {
-        base = locate(source_, accessor["bufferView"],
-                      accessor.value("byteOffset", std::uint64_t{0}), count, element_size, where);
-    } else if (count > greatest_zero_count) {
-        throw refusal(where + ": " + std::to_string(count) + " elements without data");
-    }
-    std::vector<float> result(static_cast<std::size_t>(count) * components);
-    for (std::size_t i = 0; base.data != nullptr && i < count; i++) {
-        for (unsigned c = 0; c < components; c++) {
-            result[i * components + c] =
-                read_component(base.data + i * base.stride + c * size, type, normalized);
-        }
-    }
-    if (accessor.contains("sparse")) {
-        const json &sparse = accessor["sparse"], &sparse_indices = sparse["indices"];
-        const std::uint64_t sparse_count = sparse["count"], index_type = sparse_indices["componentT"
-                                                                                        "ype"];
-        if (index_type != type_u8 && index_type != type_u16 && index_type != type_u32) {
-            throw refusal(where + ": sparse indices must be unsigned integers");
-        }
-        const elements positions =
-            locate(source_, sparse_indices["bufferView"],
-                   sparse_indices.value("byteOffset", std::uint64_t{0}), sparse_count,
-                   component_size(index_type, where), where + ", sparse indices");
-        const elements replacements = locate(source_, sparse["values"]["bufferView"],
-                                             sparse["values"].value("byteOffset", std::uint64_t{0}),
-                                             sparse_count, element_size, where + ", sparse values");
-        for (std::size_t i = 0; i < sparse_count; i++) {
-            const std::uint32_t target =
-                read_index(positions.data + i * positions.stride, index_type);
-            if (target >= count) {
-                throw refusal(where + ": sparse index " + std::to_string(target) +
-                              ", but there are only " + std::to_string(count) + " elements");
-            }
-            for (unsigned c = 0; c < components; c++) {
-                result[std::size_t{target} * components + c] = read_component(
-                    replacements.data + i * replacements.stride + c * size, type, normalized);
-            }
-        }
-    }
-    return model_.values.emplace(key, std::move(result)).first->second;
-}
 
 std::vector<std::uint32_t> geometry_loader::index_list(std::size_t accessor_index,
                                                        std::uint32_t vertex_count,
@@ -216,7 +51,7 @@ std::vector<std::uint32_t> geometry_loader::index_list(std::size_t accessor_inde
     std::vector<std::uint32_t> list;
     if (accessor.contains("sparse") || !accessor.contains("bufferView")) {
         // Floats hold indices exactly below 2^24; beyond, they would name another vertex.
-        const std::vector<float> &exact = values(accessor_index, false);
+        const std::vector<float> &exact = accessor_values(model_, source_, accessor_index, false);
         if (vertex_count > greatest_zero_count) {
             throw refusal(where + ": sparse indices of more than 2^24 vertices are not supported");
         }
@@ -260,10 +95,17 @@ bool is_set(const std::string &name, const char *prefix) {
            name.find_first_not_of("0123456789", length) == std::string::npos;
 }
 
+// Matrices do not fit gltf.h.
+bool is_vector(unsigned components) {
+    return components >= 1 && components <= 4;
+}
+
 const char *const attribute_rule = "glTF does not allow this type for it";
 
-// Whether glTF 2.0, section 3.7.2.1, or KHR_mesh_quantization allows the type for the attribute.
-bool allowed(const std::string &name, unsigned components, std::uint64_t type, bool normalized) {
+// Whether glTF 2.0, sections 3.7.2.1 and 3.7.2.2, or KHR_mesh_quantization allows the type for the
+// attribute, or for what a morph target adds to it.
+bool allowed(const std::string &name, bool is_delta, unsigned components, std::uint64_t type,
+             bool normalized) {
     const bool small = type == type_i8 || type == type_u8 || type == type_i16 || type == type_u16;
     const bool is_signed = type == type_i8 || type == type_i16;
     if (type == type_f32) {
@@ -276,7 +118,7 @@ bool allowed(const std::string &name, unsigned components, std::uint64_t type, b
         return components == 3 && normalized && (is_signed || type == type_f32);
     }
     if (name == "TANGENT") {
-        return components == 4 && normalized && (is_signed || type == type_f32);
+        return components == (is_delta ? 3 : 4) && normalized && (is_signed || type == type_f32);
     }
     if (is_set(name, "TEXCOORD_")) {
         return components == 2 && (small || type == type_f32);
@@ -285,17 +127,23 @@ bool allowed(const std::string &name, unsigned components, std::uint64_t type, b
         return (components == 3 || components == 4) &&
                (type == type_u8 || type == type_u16 || type == type_f32);
     }
-    return components != 0; // custom ones are free; matrices do not fit gltf.h
+    if (is_set(name, "JOINTS_")) {
+        return components == 4 && (type == type_u8 || type == type_u16);
+    }
+    if (is_set(name, "WEIGHTS_")) {
+        return components == 4 && (type == type_u8 || type == type_u16 || type == type_f32);
+    }
+    return is_vector(components); // custom ones are free
 }
 
 const float *geometry_loader::attribute(std::size_t accessor_index, const std::string &name,
-                                        std::uint32_t vertex_count, unsigned &components,
-                                        const std::string &where) {
+                                        bool is_delta, std::uint32_t vertex_count,
+                                        unsigned &components, const std::string &where) {
     const json &accessor = source_.root["accessors"][accessor_index];
     const std::uint64_t type = accessor["componentType"], count = accessor["count"];
     components = component_count(accessor);
     component_size(type, where + ", " + name);
-    if (!allowed(name, components, type, accessor.value("normalized", false))) {
+    if (!allowed(name, is_delta, components, type, accessor.value("normalized", false))) {
         throw refusal(where + ": " + name + " is " +
                       accessor["type"].get<std::string>().substr(0, 20) + " of component type " +
                       std::to_string(type) + "; " + attribute_rule);
@@ -304,8 +152,9 @@ const float *geometry_loader::attribute(std::size_t accessor_index, const std::s
         throw refusal(where + ": " + name + " has " + std::to_string(count) +
                       " elements, POSITION has " + std::to_string(vertex_count));
     }
-    // Integer colours are only ever normalised; some exporters forget to say so.
-    const std::vector<float> &floats = values(accessor_index, is_set(name, "COLOR_"));
+    // Integer colours and weights are only ever normalised; some exporters forget to say so.
+    const std::vector<float> &floats = accessor_values(
+        model_, source_, accessor_index, is_set(name, "COLOR_") || is_set(name, "WEIGHTS_"));
     for (std::size_t i = 0; i < floats.size(); i++) {
         if (!std::isfinite(floats[i])) {
             const std::string line = where + ": " + name + " of vertex " +
@@ -339,6 +188,112 @@ std::vector<std::uint32_t> unrolled(std::vector<std::uint32_t> list, unsigned mo
         }
     }
     return triangles;
+}
+
+// The sets of joints and weights, one behind the other at each vertex.
+void geometry_loader::load_influences(const json &attributes, const std::string &where,
+                                      girih_gltf_primitive &primitive) {
+    unsigned set_count = 0;
+    for (const auto &member : attributes.items()) {
+        set_count += is_set(member.key(), "JOINTS_") || is_set(member.key(), "WEIGHTS_");
+    }
+    set_count = (set_count + 1) / 2;
+    if (set_count == 0) {
+        return;
+    }
+    const std::size_t vertices = primitive.vertex_count, stride = std::size_t{4} * set_count;
+    model_.indices.emplace_back(vertices * stride);
+    model_.floats.emplace_back(vertices * stride);
+    std::vector<std::uint32_t> &joints = model_.indices.back();
+    std::vector<float> &weights = model_.floats.back();
+    for (unsigned set = 0; set < set_count; set++) {
+        const float *from[2];
+        for (unsigned which = 0; which < 2; which++) {
+            const std::string name = (which == 0 ? "JOINTS_" : "WEIGHTS_") + std::to_string(set);
+            unsigned components = 0;
+            if (!attributes.contains(name)) {
+                throw refusal(where + ": " + name + " is missing, the sets of JOINTS_n and " +
+                              "WEIGHTS_n must be pairs, counted from 0");
+            }
+            from[which] =
+                attribute(attributes[name], name, false, primitive.vertex_count, components, where);
+        }
+        for (std::size_t i = 0; i < 4 * vertices; i++) {
+            const std::size_t to = i / 4 * stride + std::size_t{4} * set + i % 4;
+            if (from[1] == nullptr || from[1][i] < 0.0f) {
+                throw refusal(where + ": WEIGHTS_" + std::to_string(set) + " of vertex " +
+                              std::to_string(i / 4) + " is not a number of at least 0");
+            }
+            // A weight of 0 may name any joint; 0 is what glTF wants there.
+            joints[to] = from[1][i] > 0.0f ? static_cast<std::uint32_t>(from[0][i]) : 0;
+            weights[to] = from[1][i];
+        }
+    }
+    primitive.influence_count = 4 * set_count;
+    primitive.joints = joints.data();
+    primitive.weights = weights.data();
+}
+
+void geometry_loader::load_targets(const json &description, const std::string &where,
+                                   girih_gltf_primitive &primitive) {
+    std::vector<girih_gltf_morph_target> targets;
+    for (const json &from : description.value("targets", json::array())) {
+        const std::string target_where = where + ", morph target " + std::to_string(targets.size());
+        girih_gltf_morph_target target = {};
+        std::vector<girih_gltf_attribute> kept;
+        for (const auto &member : from.items()) {
+            const std::string &name = member.key();
+            const bool is_base = name == "POSITION" || (name == "NORMAL" && primitive.normals);
+            const girih_gltf_attribute *end = primitive.attributes + primitive.attribute_count;
+            if (!is_base && std::none_of(primitive.attributes, end,
+                                         [&](const auto &base) { return name == base.name; })) {
+                continue; // glTF forbids what the primitive does not have; other viewers let it be
+            }
+            unsigned components = 0;
+            const float *deltas = attribute(member.value(), name, true, primitive.vertex_count,
+                                            components, target_where);
+            if (name == "POSITION") {
+                target.positions = deltas;
+            } else if (name == "NORMAL") {
+                target.normals = deltas;
+            } else if (deltas != nullptr) {
+                kept.push_back({model_.keep_name(name), components, deltas});
+            }
+        }
+        model_.attributes.push_back(std::move(kept));
+        target.attributes = model_.attributes.back().data();
+        target.attribute_count = static_cast<std::uint32_t>(model_.attributes.back().size());
+        targets.push_back(target);
+    }
+    model_.targets.push_back(std::move(targets));
+    primitive.targets = model_.targets.back().data();
+}
+
+void geometry_loader::load_target_weights(const json &mesh, const std::string &where,
+                                          girih_gltf_mesh &loaded) {
+    std::vector<float> weights;
+    for (const double weight : mesh.value("weights", std::vector<double>(loaded.target_count))) {
+        weights.push_back(finite(weight));
+    }
+    if (weights.size() != loaded.target_count) {
+        throw refusal(where + ": has " + std::to_string(weights.size()) + " weights, but " +
+                      std::to_string(loaded.target_count) + " morph targets");
+    }
+    model_.floats.push_back(std::move(weights));
+    loaded.weights = model_.floats.back().data();
+    // By convention of the exporters; extras may be anything.
+    const json extras = mesh.value("extras", json());
+    const json names = extras.is_object() ? extras.value("targetNames", json()) : json();
+    if (names.is_array() && names.size() == loaded.target_count && loaded.target_count > 0 &&
+        std::all_of(names.begin(), names.end(),
+                    [](const json &name) { return name.is_string(); })) {
+        std::vector<const char *> kept;
+        for (const json &name : names) {
+            kept.push_back(model_.keep_name(name));
+        }
+        model_.name_lists.push_back(std::move(kept));
+        loaded.target_names = model_.name_lists.back().data();
+    }
 }
 
 bool geometry_loader::load_primitive(const json &description, const std::string &where,
@@ -377,20 +332,20 @@ bool geometry_loader::load_primitive(const json &description, const std::string 
         const bool known = name == "POSITION" || name == "NORMAL" || name == "TANGENT" ||
                            is_set(name, "TEXCOORD_") || is_set(name, "COLOR_");
         if (is_set(name, "JOINTS_") || is_set(name, "WEIGHTS_")) {
-            continue;
+            continue; // load_influences
         }
         const json &accessor = source_.root["accessors"][member.value().get<std::size_t>()];
         if (!known && (name.empty() || name[0] != '_')) {
             warn_(where + ": unknown attribute " + name + " is left out");
             continue;
         }
-        if (!known && component_count(accessor) == 0) {
+        if (!known && !is_vector(component_count(accessor))) {
             warn_(where + ": attribute " + name + " of matrices is left out");
             continue;
         }
         unsigned components = 0;
         const float *floats =
-            attribute(member.value(), name, primitive.vertex_count, components, where);
+            attribute(member.value(), name, false, primitive.vertex_count, components, where);
         if (name == "POSITION") {
             primitive.positions = floats;
         } else if (name == "NORMAL") {
@@ -402,6 +357,9 @@ bool geometry_loader::load_primitive(const json &description, const std::string 
     model_.attributes.push_back(std::move(kept));
     primitive.attributes = model_.attributes.back().data();
     primitive.attribute_count = static_cast<std::uint32_t>(model_.attributes.back().size());
+
+    load_influences(attributes, where, primitive);
+    load_targets(description, where, primitive);
 
     std::vector<std::uint32_t> list;
     if (description.contains("indices")) {
@@ -439,32 +397,35 @@ void geometry_loader::load() {
         std::size_t target_count = 0;
         for (std::size_t p = 0; p < mesh["primitives"].size(); p++) {
             const json &description = mesh["primitives"][p];
+            const std::string where = mesh_label + ", primitive " + std::to_string(p);
             girih_gltf_primitive primitive = {};
-            if (description.contains("targets")) {
-                target_count = std::max(target_count, description["targets"].size());
-            }
-            if (load_primitive(description, mesh_label + ", primitive " + std::to_string(p),
-                               primitive)) {
+            const std::size_t count = description.value("targets", json::array()).size();
+            if (!load_primitive(description, where, primitive)) {
+                model_.contents.skipped_primitives++;
+            } else if (!primitives.empty() && count != target_count) {
+                throw refusal(where + ": has " + std::to_string(count) +
+                              " morph targets, a primitive before it has " +
+                              std::to_string(target_count));
+            } else {
                 primitives.push_back(primitive);
                 model_.source_primitives[m].push_back(p);
-            } else {
-                model_.contents.skipped_primitives++;
+                target_count = count;
             }
+            target_count = primitives.empty() ? count : target_count;
         }
-        model_.contents.morph_target_count += static_cast<std::uint32_t>(target_count);
         model_.primitives.push_back(std::move(primitives));
         const std::vector<girih_gltf_primitive> &kept = model_.primitives.back();
-        std::string name = "mesh " + std::to_string(m);
-        if (mesh.contains("name") && mesh["name"].is_string()) {
-            name = mesh["name"];
-        }
-        model_.meshes.push_back(
-            {model_.keep_name(name), static_cast<std::uint32_t>(kept.size()), kept.data()});
+        girih_gltf_mesh loaded = {};
+        loaded.name = model_.keep_name(name_or_number(mesh, "mesh", m));
+        loaded.primitive_count = static_cast<std::uint32_t>(kept.size());
+        loaded.primitives = kept.data();
+        loaded.target_count = static_cast<std::uint32_t>(target_count);
+        load_target_weights(mesh, mesh_label, loaded);
+        model_.contents.morph_target_count += loaded.target_count;
+        model_.meshes.push_back(loaded);
     }
     model_.contents.mesh_count = static_cast<std::uint32_t>(mesh_count);
     model_.contents.meshes = model_.meshes.data();
-    model_.contents.skin_count = static_cast<std::uint32_t>(source_.count("skins"));
-    model_.contents.animation_count = static_cast<std::uint32_t>(source_.count("animations"));
 }
 
 } // namespace

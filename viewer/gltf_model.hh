@@ -9,9 +9,12 @@
 
 #include "gltf.h"
 
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -94,6 +97,49 @@ void check_document(json &root);
 // picture.
 void check_extensions(const json &root, const warner &warn);
 
+// --- Accessors (gltf_accessor.cc) ---
+
+enum component_type : unsigned {
+    type_i8 = 5120,
+    type_u8 = 5121,
+    type_i16 = 5122,
+    type_u16 = 5123,
+    type_u32 = 5125,
+    type_f32 = 5126
+};
+
+// An accessor without data is all zeros, so that nothing in the file bounds its count.
+constexpr std::uint64_t greatest_zero_count = 1u << 24;
+
+// Refuses an unknown type; where names its owner.
+unsigned component_size(std::uint64_t type, const std::string &where);
+
+// How many components an element has; 0 for matrices other than 4x4 floats, which nothing that
+// girih keeps uses.
+unsigned component_count(const json &accessor);
+
+// count elements of element_size bytes in a view, a whole number of strides apart.
+struct elements {
+    const std::uint8_t *data;
+    std::size_t stride;
+};
+
+// Refuses elements that reach outside the view; where names their owner.
+elements locate(document &source, std::size_t view_index, std::uint64_t offset, std::uint64_t count,
+                std::size_t element_size, const std::string &where);
+
+std::uint32_t read_index(const std::uint8_t *from, std::uint64_t type);
+
+// An accessor's elements as floats, sparse values applied. Decoded once for all its users.
+const std::vector<float> &accessor_values(girih_gltf_model &model, document &source,
+                                          std::size_t accessor_index, bool always_normalized);
+
+// A number of the JSON as a float, never infinite.
+inline float finite(double value) {
+    constexpr double greatest = std::numeric_limits<float>::max();
+    return static_cast<float>(std::fmin(std::fmax(value, -greatest), greatest));
+}
+
 // "mesh 3 'door'": how messages name an element of a top-level array.
 std::string label(const json &root, const char *array, const char *kind, std::size_t index);
 
@@ -111,6 +157,9 @@ struct girih_gltf_model {
     std::deque<std::vector<std::uint32_t>> indices;
     std::deque<std::string> names;
     std::deque<std::vector<girih_gltf_attribute>> attributes;
+    std::deque<std::vector<float>> floats;
+    std::deque<std::vector<const char *>> name_lists;
+    std::deque<std::vector<girih_gltf_morph_target>> targets;
     std::deque<std::vector<girih_gltf_primitive>> primitives;
     std::vector<std::vector<std::size_t>>
         source_primitives; // [mesh][primitive]: its index in the file
@@ -121,6 +170,13 @@ struct girih_gltf_model {
     std::vector<girih_gltf_image> images;
     std::vector<std::unique_ptr<std::uint8_t, void (*)(void *)>> pixels;
     std::vector<girih_gltf_camera> cameras;
+    std::vector<girih_gltf_node> nodes;
+    std::vector<std::uint32_t> node_order;
+    std::deque<std::vector<std::array<float, 12>>> matrices;
+    std::vector<girih_gltf_skin> skins;
+    std::deque<std::vector<girih_gltf_sampler>> samplers;
+    std::deque<std::vector<girih_gltf_channel>> channels;
+    std::vector<girih_gltf_animation> animations;
     girih_gltf_contents contents = {};
 
     const char *keep_name(std::string name);
@@ -134,6 +190,11 @@ void load_image_files(girih_gltf_model &model, document &source,
                       const warner &warn); // gltf_scene.cc
 void load_scene(girih_gltf_model &model, const document &source,
                 const warner &warn); // gltf_scene.cc
+void load_animations(girih_gltf_model &model, document &source,
+                     const warner &warn); // gltf_animation.cc
+
+// The element's name, or "kind N".
+std::string name_or_number(const json &element, const char *kind, std::size_t index);
 
 // Throws refusal where the file cannot be written.
 void write_model(const girih_gltf_model &model, const girih_gltf_refined_primitive *const *refined,

@@ -1,6 +1,7 @@
 // The scene around the meshes: node transforms, cameras, materials and their textures, as tinygltf
 // reads them from the checked document.
 #include "gltf_model.hh"
+#include "node_transform.h"
 
 #include <algorithm>
 #include <array>
@@ -17,65 +18,10 @@ namespace {
 // Larger pictures are more likely a damaged header than a texture (16384 x 16384).
 constexpr std::int64_t greatest_pixel_count = std::int64_t{1} << 28;
 
-// Rows of a 3x4 matrix, in double: deep hierarchies lose little that way.
-using transform = std::array<double, 12>;
-
-constexpr transform identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-
-transform product(const transform &a, const transform &b) {
-    transform c;
-    for (std::size_t row = 0; row < 3; row++) {
-        for (std::size_t column = 0; column < 4; column++) {
-            double sum = column == 3 ? a[4 * row + 3] : 0.0;
-            for (std::size_t k = 0; k < 3; k++) {
-                sum += a[4 * row + k] * b[4 * k + column];
-            }
-            c[4 * row + column] = sum;
-        }
-    }
-    return c;
-}
-
-transform local_transform(const tinygltf::Node &node) {
-    transform m = identity;
-    if (node.matrix.size() == 16) {
-        for (std::size_t row = 0; row < 3; row++) {
-            for (std::size_t column = 0; column < 4; column++) {
-                m[4 * row + column] = node.matrix[4 * column + row];
-            }
-        }
-        return m;
-    }
-    if (node.rotation.size() == 4) {
-        const double length =
-            std::sqrt(node.rotation[0] * node.rotation[0] + node.rotation[1] * node.rotation[1] +
-                      node.rotation[2] * node.rotation[2] + node.rotation[3] * node.rotation[3]);
-        if (length > 0.0 && std::isfinite(length)) {
-            const double x = node.rotation[0] / length, y = node.rotation[1] / length,
-                         z = node.rotation[2] / length, w = node.rotation[3] / length;
-            m = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),     0,
-                 2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),     0,
-                 2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y), 0};
-        }
-    }
-    for (std::size_t row = 0; row < 3; row++) {
-        for (std::size_t column = 0; column < 3 && node.scale.size() == 3; column++) {
-            m[4 * row + column] *= node.scale[column];
-        }
-        if (node.translation.size() == 3) {
-            m[4 * row + 3] = node.translation[row];
-        }
-    }
-    return m;
-}
+using transform = std::array<double, 12>; // node_transform.h
 
 float clamped(double value, double low, double high) {
     return static_cast<float>(std::fmin(std::fmax(value, low), high));
-}
-
-// A number from the file as a float, never infinite.
-float finite(double value) {
-    return clamped(value, -3.4028234663852886e38, 3.4028234663852886e38);
 }
 
 class scene_loader {
@@ -85,8 +31,11 @@ class scene_loader {
 
   private:
     std::vector<std::size_t> node_parents() const;
+    const float *node_weights(const tinygltf::Node &node, const std::string &where);
+    void load_nodes(const std::vector<std::size_t> &parents);
+    std::vector<transform> node_worlds() const;
     void place(std::size_t node_index, const transform &world);
-    void load_nodes();
+    void load_scene();
     void load_materials();
     girih_gltf_texture texture_use(int index, int texcoord,
                                    const tinygltf::ExtensionMap &extensions, const char *material);
@@ -158,6 +107,78 @@ std::vector<std::size_t> scene_loader::node_parents() const {
     return parents;
 }
 
+// The morph weights that a node has in the file, its own or its mesh's.
+const float *scene_loader::node_weights(const tinygltf::Node &node, const std::string &where) {
+    const girih_gltf_mesh &mesh = model_.meshes[static_cast<std::size_t>(node.mesh)];
+    if (node.weights.empty()) {
+        return mesh.target_count > 0 ? mesh.weights : nullptr;
+    }
+    if (node.weights.size() != mesh.target_count) {
+        throw refusal(where + ": has " + std::to_string(node.weights.size()) +
+                      " weights, but its mesh has " + std::to_string(mesh.target_count) +
+                      " morph targets");
+    }
+    std::vector<float> weights;
+    for (const double weight : node.weights) {
+        weights.push_back(finite(weight));
+    }
+    model_.floats.push_back(std::move(weights));
+    return model_.floats.back().data();
+}
+
+void scene_loader::load_nodes(const std::vector<std::size_t> &parents) {
+    for (std::size_t i = 0; i < scene_.nodes.size(); i++) {
+        const tinygltf::Node &from = scene_.nodes[i];
+        girih_gltf_node node = {};
+        node.name = model_.keep_name(name_or_number(source_.root["nodes"][i], "node", i));
+        node.parent =
+            parents[i] == none ? GIRIH_GLTF_NO_NODE : static_cast<std::uint32_t>(parents[i]);
+        node.mesh = from.mesh;
+        node.skin = from.mesh < 0 ? -1 : from.skin;
+        node.camera = from.camera;
+        girih_gltf_transform &local = node.local;
+        local.rotation[3] = local.scale[0] = local.scale[1] = local.scale[2] = 1.0;
+        std::copy(from.translation.begin(), from.translation.end(), local.translation);
+        std::copy(from.rotation.begin(), from.rotation.end(), local.rotation);
+        std::copy(from.scale.begin(), from.scale.end(), local.scale);
+        local.has_matrix = !from.matrix.empty();
+        for (std::size_t e = 0; e < 12 && local.has_matrix; e++) {
+            local.matrix[e] = from.matrix[4 * (e % 4) + e / 4];
+        }
+        if (from.mesh >= 0) {
+            node.weights = node_weights(from, label(source_.root, "nodes", "node", i));
+        }
+        model_.nodes.push_back(node);
+    }
+    // Children behind parents: a list that grows while it is walked.
+    std::vector<std::uint32_t> &order = model_.node_order;
+    for (std::uint32_t i = 0; i < parents.size(); i++) {
+        if (parents[i] == none) {
+            order.push_back(i);
+        }
+    }
+    for (std::size_t at = 0; at < order.size(); at++) {
+        for (const int child : scene_.nodes[order[at]].children) {
+            order.push_back(static_cast<std::uint32_t>(child));
+        }
+    }
+}
+
+std::vector<transform> scene_loader::node_worlds() const {
+    std::vector<transform> worlds(model_.nodes.size());
+    for (const std::uint32_t i : model_.node_order) {
+        const girih_gltf_node &node = model_.nodes[i];
+        transform local;
+        girih_node_matrix(&node.local, local.data());
+        if (node.parent == GIRIH_GLTF_NO_NODE) {
+            worlds[i] = local;
+        } else {
+            girih_matrix_product(worlds[node.parent].data(), local.data(), worlds[i].data());
+        }
+    }
+    return worlds;
+}
+
 void scene_loader::place(std::size_t node_index, const transform &world) {
     const tinygltf::Node &node = scene_.nodes[node_index];
     float values[12];
@@ -169,7 +190,6 @@ void scene_loader::place(std::size_t node_index, const transform &world) {
         }
     }
     if (node.mesh >= 0) {
-        // A skinned mesh stands in its bind pose where its own node does.
         girih_gltf_placement placement = {
             static_cast<std::uint32_t>(node.mesh), static_cast<std::uint32_t>(node_index), {}};
         std::copy(values, values + 12, placement.transform);
@@ -194,13 +214,16 @@ void scene_loader::place(std::size_t node_index, const transform &world) {
             camera.near = finite(from.orthographic.znear);
             camera.far = finite(from.orthographic.zfar);
         }
+        camera.node = static_cast<std::uint32_t>(node_index);
         std::copy(values, values + 12, camera.transform);
         model_.cameras.push_back(camera);
     }
 }
 
-void scene_loader::load_nodes() {
+void scene_loader::load_scene() {
     const std::vector<std::size_t> parents = node_parents();
+    load_nodes(parents);
+    const std::vector<transform> worlds = node_worlds();
     std::vector<std::size_t> roots;
     if (source_.count("scenes") > 0) {
         // Without a default scene the first one is shown, as other viewers do.
@@ -224,20 +247,14 @@ void scene_loader::load_nodes() {
             }
         }
     }
-    std::vector<std::pair<std::size_t, transform>>
-        open; // nodes to visit, below their parents' transforms
-    for (auto root = roots.rbegin(); root != roots.rend(); ++root) {
-        open.emplace_back(*root, identity);
-    }
+    std::vector<std::size_t> open(roots.rbegin(),
+                                  roots.rend()); // nodes to visit, the next one last
     while (!open.empty()) {
-        const auto [node_index, parent] = open.back();
+        const std::size_t node_index = open.back();
         open.pop_back();
-        const tinygltf::Node &node = scene_.nodes[node_index];
-        const transform world = product(parent, local_transform(node));
-        place(node_index, world);
-        for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
-            open.emplace_back(static_cast<std::size_t>(*child), world);
-        }
+        place(node_index, worlds[node_index]);
+        const std::vector<int> &children = scene_.nodes[node_index].children;
+        open.insert(open.end(), children.rbegin(), children.rend());
     }
     const bool any_mesh_placed =
         std::any_of(scene_.nodes.begin(), scene_.nodes.end(),
@@ -373,9 +390,12 @@ void scene_loader::load_materials() {
 }
 
 void scene_loader::load() {
-    load_nodes();
+    load_scene();
     load_materials();
     girih_gltf_contents &contents = model_.contents;
+    contents.node_count = static_cast<std::uint32_t>(model_.nodes.size());
+    contents.nodes = model_.nodes.data();
+    contents.node_order = model_.node_order.data();
     contents.placement_count = static_cast<std::uint32_t>(model_.placements.size());
     contents.placements = model_.placements.data();
     contents.material_count = static_cast<std::uint32_t>(model_.materials.size());

@@ -17,7 +17,6 @@ namespace {
 constexpr std::uint64_t greatest_file = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t greatest_short_vertex_count = 65535; // index 65535 would be the restart value
 constexpr unsigned target_vertices = 34962, target_indices = 34963;
-constexpr unsigned type_u16 = 5123, type_u32 = 5125, type_f32 = 5126;
 
 // Extensions that describe the source's bytes, its compression or its animation: none of them holds
 // for the geometry that is written.
