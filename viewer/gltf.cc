@@ -64,6 +64,7 @@ girih_gltf_model *girih_gltf_load(const char *path, void (*warn)(void *user, con
         const warner warning(warn, user);
         document source(path);
         check_extensions(source.root, warning);
+        decode_compressed(source);
         load_geometry(*model, source, warning);
         load_image_files(*model, source, warning);
         load_scene(*model, source, warning);

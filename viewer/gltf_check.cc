@@ -68,6 +68,16 @@ constexpr rule required_index(const char *path, const char *target) {
 
 constexpr std::uint64_t greatest_enum = 65535;
 
+#define MESHOPT_RULES(name)                                                                        \
+    object("bufferViews/*/extensions/" name),                                                      \
+        required_index("bufferViews/*/extensions/" name "/buffer", "buffers"),                     \
+        integer("bufferViews/*/extensions/" name "/byteOffset", 0, any_size),                      \
+        required_integer("bufferViews/*/extensions/" name "/byteLength", 1, any_size),             \
+        required_integer("bufferViews/*/extensions/" name "/byteStride", 1, 256),                  \
+        required_integer("bufferViews/*/extensions/" name "/count", 1, any_size),                  \
+        required_string("bufferViews/*/extensions/" name "/mode"),                                 \
+        string("bufferViews/*/extensions/" name "/filter")
+
 // A container stands before its members, so that a rule can rely on what leads to it.
 constexpr rule rules[] = {
     required_object("asset"),
@@ -90,6 +100,9 @@ constexpr rule rules[] = {
     integer("bufferViews/*/byteOffset", 0, any_size),
     required_integer("bufferViews/*/byteLength", 1, any_size),
     integer("bufferViews/*/byteStride", 0, 252),
+    object("bufferViews/*/extensions"),
+    MESHOPT_RULES("EXT_meshopt_compression"),
+    MESHOPT_RULES("KHR_meshopt_compression"),
 
     array("accessors"),
     object("accessors/*"),
@@ -194,6 +207,12 @@ constexpr rule rules[] = {
     object("meshes/*/primitives/*/extensions"),
     required_object("meshes/*/primitives/*/attributes"),
     index("meshes/*/primitives/*/attributes/*", "accessors"),
+    object("meshes/*/primitives/*/extensions/KHR_draco_mesh_compression"),
+    required_index("meshes/*/primitives/*/extensions/KHR_draco_mesh_compression/bufferView",
+                   "bufferViews"),
+    required_object("meshes/*/primitives/*/extensions/KHR_draco_mesh_compression/attributes"),
+    integer("meshes/*/primitives/*/extensions/KHR_draco_mesh_compression/attributes/*", 0,
+            0xffffffff),
     index("meshes/*/primitives/*/indices", "accessors"),
     index("meshes/*/primitives/*/material", "materials"),
     integer("meshes/*/primitives/*/mode", 0, 6),
@@ -352,8 +371,9 @@ void apply(const json &root, const rule &rule, const char *path, json &value,
     }
 }
 
-const std::set<std::string> understood = {"KHR_texture_transform", "KHR_materials_unlit",
-                                          "KHR_mesh_quantization"};
+const std::set<std::string> understood = {
+    "KHR_texture_transform",      "KHR_materials_unlit",     "KHR_mesh_quantization",
+    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"};
 
 // Optional extensions that leave the picture girih draws as it is: the base colour, metallic,
 // roughness and emission of a surface.
@@ -370,9 +390,6 @@ const std::set<std::string> harmless = {
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_volume",
-    "KHR_draco_mesh_compression",
-    "EXT_meshopt_compression",
-    "KHR_meshopt_compression",
     "KHR_animation_pointer",
     "KHR_audio_emitter",
     "KHR_xmp",
@@ -485,10 +502,8 @@ void check_extensions(const json &root, const warner &warn) {
         if (understood.count(name) != 0) {
             continue;
         }
-        const bool compression = name.find("compression") != std::string::npos;
-        throw refusal("required extension " + name + " is not supported; " +
-                      (compression ? "decompress the file first: gltf-transform cp IN OUT"
-                                   : "export the file without it"));
+        throw refusal("required extension " + name +
+                      " is not supported; export the file without it");
     }
     for (const json &element : root.value("extensionsUsed", json::array())) {
         const std::string name = element;

@@ -331,16 +331,7 @@ document::span document::buffer(std::size_t index) {
     } else if (index == 0 && has_binary_) {
         data = {file_.data() + binary_offset_, binary_size_, 0};
     } else {
-        // The fallback buffer of EXT_meshopt_compression may be left out of the file.
-        throw refusal(where + (description.contains("extensions") ? ": has no data without its "
-                                                                    "extension; decompress the "
-                                                                    "file " +
-                                                                        std::string("first: "
-                                                                                    "gltf-"
-                                                                                    "transform cp "
-                                                                                    "IN OUT")
-                                                                  : ": has neither a uri nor a GLB "
-                                                                    "binary chunk"));
+        throw refusal(where + ": has neither a uri nor a GLB binary chunk");
     }
     if (data.size < length) {
         throw refusal(where + ": it states " + std::to_string(length) +
@@ -355,6 +346,23 @@ document::span document::view(std::size_t index) {
     const std::size_t offset = description.value("byteOffset", std::size_t{0});
     return {data.data + offset, description["byteLength"].get<std::size_t>(),
             description.value("byteStride", std::size_t{0})};
+}
+
+document::span document::range(std::size_t buffer_index, std::uint64_t offset, std::uint64_t size,
+                               const std::string &where) {
+    const span data = buffer(buffer_index);
+    if (offset > data.size || size > data.size - offset) {
+        throw refusal(where + ": reaches beyond the " + std::to_string(data.size) +
+                      " bytes of buffer " + std::to_string(buffer_index));
+    }
+    return {data.data + offset, static_cast<std::size_t>(size), 0};
+}
+
+std::size_t document::add_buffer(bytes data) {
+    json &buffers = root["buffers"];
+    buffers.push_back({{"byteLength", data.size()}});
+    buffers_.emplace(buffers.size() - 1, std::move(data));
+    return buffers.size() - 1;
 }
 
 } // namespace girih_gltf

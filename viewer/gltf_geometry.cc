@@ -311,14 +311,6 @@ bool geometry_loader::load_primitive(const json &description, const std::string 
     }
     const std::size_t position_index = attributes["POSITION"];
     const json &positions = source_.root["accessors"][position_index];
-    const json no_extensions = json::object();
-    const json &extensions =
-        description.contains("extensions") ? description["extensions"] : no_extensions;
-    if (!positions.contains("bufferView") && !positions.contains("sparse") &&
-        extensions.contains("KHR_draco_mesh_compression")) {
-        throw refusal(where + ": compressed by KHR_draco_mesh_compression without fallback; " +
-                      "decompress the file first: gltf-transform cp IN OUT");
-    }
     const std::uint64_t count = positions["count"];
     if (count > std::numeric_limits<std::uint32_t>::max() - 1) {
         throw refusal(where + ": " + std::to_string(count) + " vertices are too many");

@@ -72,6 +72,13 @@ public:
     };
     span view(std::size_t index);
 
+    // Bytes of a buffer; where names who asks for them in a refusal.
+    span range(std::size_t buffer_index, std::uint64_t offset, std::uint64_t size,
+               const std::string &where);
+
+    // Makes bytes one more buffer of the document; returns its index.
+    std::size_t add_buffer(bytes data);
+
     // What a URI of this document refers to; where names its owner in a refusal.
     bytes fetch(const std::string &uri, const std::string &where) const;
 
@@ -92,6 +99,9 @@ private:
 // Refuses a document with a property of the wrong type, a missing one or an unresolved index.
 // Integers written as 2.0 become integers.
 void check_document(json &root);
+
+// Replaces compressed primitives and buffer views by what they hold.
+void decode_compressed(document &source); // gltf_decode.cc
 
 // Refuses a required extension that is not understood; warns of optional ones that change the
 // picture.
