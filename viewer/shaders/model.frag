@@ -2,6 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
+#include "color.glsl"
 #include "picture.glsl"
 
 layout(set = 1, binding = 0) uniform sampler2D base_color_map;
@@ -16,11 +17,6 @@ layout(location = 4) flat in vec3 in_range_color;
 layout(location = 0) out vec4 out_color;
 
 const float PI = 3.14159265;
-
-vec3 from_srgb(vec3 color) {
-    vec3 curve = pow((color + 0.055) / 1.055, vec3(2.4));
-    return mix(color / 12.92, curve, greaterThan(color, vec3(0.04045)));
-}
 
 // Light from all around, by direction.
 vec3 surroundings(vec3 direction, float blur) {

@@ -1,0 +1,254 @@
+#include "overlay.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cairo.h>
+
+#include "error.h"
+
+// Lengths are pixels before a panel is made smaller.
+typedef struct layout {
+    double letter;        // size of the letters
+    double line, pattern; // heights of a line without and with a pattern
+    double margin;        // between the panel's border and what is in it, and around the panel
+    double swatch;        // width of a field of colour, 0: there is none
+    double text_x;        // where text begins
+    double width, height;
+} layout;
+
+static double line_height(const girih_overlay_text *text, const layout *l, uint32_t n) {
+    return text->lines[n].pattern != NULL ? l->pattern : l->line;
+}
+
+// Upper border of a line; of the one after the last, the lower border of that.
+static double line_top(const girih_overlay_text *text, const layout *l, uint32_t n) {
+    double y = l->margin;
+    for (uint32_t k = 0; k < n; k++) {
+        y += line_height(text, l, k);
+    }
+    return y;
+}
+
+static void choose_font(cairo_t *cairo, double size) {
+    cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(cairo, size);
+}
+
+static layout lay_out(cairo_t *cairo, const girih_overlay_text *text) {
+    layout l = {.letter = fmin(fmax(round((double)text->area.height / 46.0), 11.0), 30.0)};
+    choose_font(cairo, l.letter);
+    l.margin = round(0.6 * l.letter);
+    l.line = round(1.4 * l.letter);
+    l.pattern = round(2.9 * l.letter);
+    double widest = 0.0;
+    for (uint32_t n = 0; n < text->line_count; n++) {
+        const girih_overlay_line *line = &text->lines[n];
+        cairo_text_extents_t extents;
+        cairo_text_extents(cairo, line->text, &extents);
+        widest = fmax(widest, extents.x_advance);
+        if (line->has_swatch) {
+            l.swatch = fmax(l.swatch, round((line->pattern != NULL ? 3.2 : 1.7) * l.letter));
+        }
+    }
+    l.text_x = l.margin + (l.swatch > 0.0 ? l.swatch + round(0.6 * l.letter) : 0.0);
+    l.width = ceil(l.text_x + widest + l.margin);
+    l.height = line_top(text, &l, text->line_count) + l.margin;
+    return l;
+}
+
+// The base pattern as an equilateral triangle in a box.
+static void draw_pattern(cairo_t *cairo, const girih_catalogue *catalogue,
+                         const girih_overlay_line *line, double x, double y, double width,
+                         double height) {
+    const girih_base_pattern *pattern = line->pattern;
+    const uint32_t *vertices = girih_catalogue_vertices(catalogue, pattern);
+    double side = fmin(width, height / 0.8660254);
+    double corners[3][2] = {{x, y + height}, {x + side, y + height}, {x + side / 2.0, 0.0}};
+    corners[2][1] = y + height - side * 0.8660254;
+    for (uint32_t n = 0; n < 3 * pattern->triangle_count; n++) {
+        uint32_t packed = vertices[girih_catalogue_index(catalogue, pattern, n)];
+        double u = (double)(packed & 0xffffu) / GIRIH_BARYCENTRIC_ONE;
+        double v = (double)(packed >> 16) / GIRIH_BARYCENTRIC_ONE;
+        double w = 1.0 - u - v;
+        double place[2];
+        for (int k = 0; k < 2; k++) {
+            place[k] = u * corners[0][k] + v * corners[1][k] + w * corners[2][k];
+        }
+        if (n % 3 == 0) {
+            cairo_move_to(cairo, place[0], place[1]);
+        } else {
+            cairo_line_to(cairo, place[0], place[1]);
+        }
+        if (n % 3 == 2) {
+            cairo_close_path(cairo);
+        }
+    }
+    cairo_set_source_rgb(cairo, (double)line->color[0], (double)line->color[1],
+                         (double)line->color[2]);
+    cairo_fill_preserve(cairo);
+    cairo_set_source_rgba(cairo, 0.0, 0.0, 0.0, 0.75);
+    cairo_set_line_width(cairo, pattern->triangle_count > 100 ? 0.3 : 0.7);
+    cairo_stroke(cairo);
+}
+
+static void draw_swatch(cairo_t *cairo, const girih_overlay_text *text, const layout *l,
+                        uint32_t n) {
+    const girih_overlay_line *line = &text->lines[n];
+    double y = line_top(text, l, n);
+    if (line->pattern != NULL) {
+        draw_pattern(cairo, text->catalogue, line, l->margin, y + 0.06 * l->pattern, l->swatch,
+                     0.88 * l->pattern);
+        return;
+    }
+    double gap = round(0.12 * l->line);
+    cairo_rectangle(cairo, l->margin, y + gap, l->swatch, l->line - 2.0 * gap);
+    cairo_set_source_rgb(cairo, (double)line->color[0], (double)line->color[1],
+                         (double)line->color[2]);
+    cairo_fill(cairo);
+}
+
+// A bar from the middle of the first swatch's line to that of the last one's, with a mark at each.
+static void draw_scale(cairo_t *cairo, const girih_overlay_text *text, const layout *l) {
+    uint32_t first = 0;
+    while (first < text->line_count && !text->lines[first].has_swatch) {
+        first++;
+    }
+    if (text->line_count - first < 2) {
+        return;
+    }
+    double top = line_top(text, l, first) + 0.5 * l->line;
+    double bottom = line_top(text, l, text->line_count) - 0.5 * l->line;
+    cairo_pattern_t *bar = cairo_pattern_create_linear(0.0, top, 0.0, bottom);
+    for (uint32_t n = first; n < text->line_count; n++) {
+        const float *color = text->lines[n].color;
+        cairo_pattern_add_color_stop_rgb(bar, (double)(n - first) / (text->line_count - 1 - first),
+                                         (double)color[0], (double)color[1], (double)color[2]);
+    }
+    cairo_rectangle(cairo, l->margin, top, l->swatch, bottom - top);
+    cairo_set_source(cairo, bar);
+    cairo_fill(cairo);
+    cairo_pattern_destroy(bar);
+    cairo_set_source_rgb(cairo, 1.0, 1.0, 1.0);
+    cairo_set_line_width(cairo, 1.0);
+    for (uint32_t n = first; n < text->line_count; n++) {
+        double y = floor(line_top(text, l, n) + 0.5 * l->line) + 0.5;
+        cairo_move_to(cairo, l->margin + l->swatch, y);
+        cairo_rel_line_to(cairo, 0.3 * l->letter, 0.0);
+    }
+    cairo_stroke(cairo);
+}
+
+static void draw_panel(cairo_t *cairo, const girih_overlay_text *text, const layout *l) {
+    cairo_set_source_rgba(cairo, 0.08, 0.09, 0.11, 0.9);
+    cairo_paint(cairo);
+    if (text->is_scale) {
+        draw_scale(cairo, text, l);
+    }
+    choose_font(cairo, l->letter);
+    cairo_font_extents_t font;
+    cairo_font_extents(cairo, &font);
+    for (uint32_t n = 0; n < text->line_count; n++) {
+        const girih_overlay_line *line = &text->lines[n];
+        if (line->has_swatch && !text->is_scale) {
+            draw_swatch(cairo, text, l, n);
+        }
+        double middle = line_top(text, l, n) + 0.5 * line_height(text, l, n);
+        cairo_set_source_rgb(cairo, 0.96, 0.96, 0.96);
+        cairo_move_to(cairo, line->has_swatch ? l->text_x : l->margin,
+                      round(middle + 0.5 * (font.ascent - font.descent)));
+        cairo_show_text(cairo, line->text);
+    }
+}
+
+// As large as it is laid out, or as the area lets it.
+static double find_scale(const girih_overlay_text *text, const layout *l) {
+    double width = (double)text->area.width - 2.0 * l->margin;
+    double height = (double)text->area.height - 2.0 * l->margin;
+    return fmin(1.0, fmin(width / l->width, height / l->height));
+}
+
+static girih_rectangle find_place(const girih_overlay_text *text, const layout *l, double scale) {
+    const girih_rectangle *area = &text->area;
+    uint32_t margin = (uint32_t)(l->margin * scale);
+    girih_rectangle place = {.width = (uint32_t)(l->width * scale),
+                             .height = (uint32_t)(l->height * scale)};
+    bool is_right =
+        text->corner == GIRIH_CORNER_TOP_RIGHT || text->corner == GIRIH_CORNER_BOTTOM_RIGHT;
+    bool is_bottom =
+        text->corner == GIRIH_CORNER_BOTTOM_LEFT || text->corner == GIRIH_CORNER_BOTTOM_RIGHT;
+    place.x = area->x + (is_right ? area->width - margin - place.width : margin);
+    place.y = area->y + (is_bottom ? area->height - margin - place.height : margin);
+    return place;
+}
+
+// NULL: no memory.
+static cairo_surface_t *create_surface(int width, int height) {
+    cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height);
+    if (cairo_surface_status(surface) != CAIRO_STATUS_SUCCESS) {
+        cairo_surface_destroy(surface);
+        return NULL;
+    }
+    return surface;
+}
+
+static girih_result copy_pixels(cairo_surface_t *surface, girih_panel *panel, girih_error *error) {
+    const girih_rectangle *place = &panel->place;
+    cairo_surface_flush(surface);
+    panel->pixels = malloc((size_t)place->width * place->height * sizeof *panel->pixels);
+    if (panel->pixels == NULL || cairo_surface_status(surface) != CAIRO_STATUS_SUCCESS) {
+        free(panel->pixels);
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
+    }
+    for (uint32_t row = 0; row < place->height; row++) {
+        memcpy(panel->pixels + (size_t)row * place->width,
+               cairo_image_surface_get_data(surface) +
+                   (size_t)row * (size_t)cairo_image_surface_get_stride(surface),
+               (size_t)place->width * sizeof *panel->pixels);
+    }
+    return GIRIH_OK;
+}
+
+girih_result girih_overlay_add(girih_overlay *overlay, const girih_overlay_text *text, bool *fits,
+                               girih_error *error) {
+    // Letters smaller than this share of their size are not read.
+    const double least_scale = 0.5;
+    cairo_surface_t *measure = create_surface(1, 1);
+    if (measure == NULL || overlay->panel_count == GIRIH_OVERLAY_PANELS) {
+        cairo_surface_destroy(measure);
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "no room for another panel");
+    }
+    cairo_t *cairo = cairo_create(measure);
+    layout l = lay_out(cairo, text);
+    cairo_destroy(cairo);
+    cairo_surface_destroy(measure);
+    double scale = find_scale(text, &l);
+    if (fits != NULL) {
+        *fits = scale >= least_scale;
+    }
+    if (!(scale >= least_scale)) {
+        return GIRIH_OK;
+    }
+    girih_panel *panel = &overlay->panels[overlay->panel_count];
+    panel->place = find_place(text, &l, scale);
+    cairo_surface_t *surface = create_surface((int)panel->place.width, (int)panel->place.height);
+    if (surface == NULL) {
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
+    }
+    cairo = cairo_create(surface);
+    cairo_scale(cairo, scale, scale);
+    draw_panel(cairo, text, &l);
+    cairo_destroy(cairo);
+    girih_result result = copy_pixels(surface, panel, error);
+    cairo_surface_destroy(surface);
+    overlay->panel_count += result == GIRIH_OK;
+    return result;
+}
+
+void girih_overlay_clear(girih_overlay *overlay) {
+    for (uint32_t n = 0; n < overlay->panel_count; n++) {
+        free(overlay->panels[n].pixels);
+    }
+    *overlay = (girih_overlay){0};
+}
