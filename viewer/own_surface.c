@@ -353,6 +353,9 @@ girih_result girih_own_surface_upload(girih_own_surface *surface, girih_device *
 girih_result girih_own_surface_compile_drawing(girih_own_surface *surface, bool has_splits,
                                                girih_error *error) {
     girih_report_progress("compiling the surface");
+    free(surface->vertex_words);
+    surface->vertex_words = NULL;
+    surface->revision++;
     return compile(surface, GIRIH_SHADER_VERTEX, has_splits ? "#define GIRIH_SPLITS\n" : "",
                    &surface->vertex_words, &surface->vertex_bytes, error);
 }

@@ -22,6 +22,7 @@ typedef struct girih_own_surface {
     girih_device_image heights;
     uint32_t *vertex_words; // shaders/model.glsl with the surface, for the instanced mode
     size_t vertex_bytes;
+    uint32_t revision; // changes with them
 } girih_own_surface;
 
 // Loads what the options name and tells the model how far the surface strays from it. Messages

@@ -25,16 +25,20 @@ typedef struct shader {
 
 #define SHADER(NAME) ((shader){girih_spirv_##NAME, sizeof girih_spirv_##NAME})
 
-static shader choose_vertex_shader(const girih_pipelines *pipelines,
-                                   const girih_pipeline_key *key) {
+static bool uses_own(const girih_pipeline_key *key) {
+    return key->instanced && key->surface == GIRIH_SURFACE_OWN;
+}
+
+static shader choose_vertex_shader(const girih_pipelines *pipelines, const girih_pipeline_key *key,
+                                   const girih_own_surface *own) {
     if (key->background) {
         return SHADER(background_vertex);
     }
     if (!key->instanced) {
         return SHADER(model_buffers);
     }
-    if (key->surface == GIRIH_SURFACE_OWN) {
-        return (shader){pipelines->own->vertex_words, pipelines->own->vertex_bytes};
+    if (uses_own(key)) {
+        return (shader){own->vertex_words, own->vertex_bytes};
     }
     // By surface, attributes and splits.
     const shader built_in[2][2][2] = {
@@ -116,7 +120,7 @@ static girih_result create_pipeline(const girih_pipelines *pipelines, const giri
                             key->alpha_mode == GIRIH_GLTF_ALPHA_BLEND,
                             key->line,
                             key->has_normal_map,
-                            pipelines->cylindrical};
+                            key->cylindrical};
     VkSpecializationMapEntry entries[7];
     for (uint32_t n = 0; n < 7; n++) {
         entries[n] = (VkSpecializationMapEntry){n, 4 * n, 4};
@@ -212,13 +216,16 @@ static bool keys_equal(const girih_pipeline_key *a, const girih_pipeline_key *b)
            a->has_splits == b->has_splits && a->has_base_color_map == b->has_base_color_map &&
            a->has_normal_map == b->has_normal_map && a->has_color == b->has_color &&
            a->alpha_mode == b->alpha_mode && a->cull == b->cull && a->line == b->line &&
-           a->behind == b->behind;
+           a->behind == b->behind && a->cylindrical == b->cylindrical;
 }
 
 girih_result girih_pipelines_get(girih_pipelines *pipelines, const girih_pipeline_key *key,
-                                 const girih_plan *plan, VkPipeline *pipeline, girih_error *error) {
+                                 const girih_plan *plan, const girih_own_surface *own,
+                                 VkPipeline *pipeline, girih_error *error) {
+    uint32_t own_revision = uses_own(key) ? own->revision : 0;
     for (uint32_t n = 0; n < pipelines->count; n++) {
-        if (keys_equal(&pipelines->entries[n].key, key)) {
+        if (keys_equal(&pipelines->entries[n].key, key) &&
+            pipelines->entries[n].own_revision == own_revision) {
             *pipeline = pipelines->entries[n].pipeline;
             return GIRIH_OK;
         }
@@ -230,8 +237,8 @@ girih_result girih_pipelines_get(girih_pipelines *pipelines, const girih_pipelin
     }
     pipelines->entries = grown;
     VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
-    girih_result result =
-        create_module(pipelines->device, choose_vertex_shader(pipelines, key), &modules[0], error);
+    girih_result result = create_module(
+        pipelines->device, choose_vertex_shader(pipelines, key, own), &modules[0], error);
     if (result == GIRIH_OK) {
         shader fragment = key->background ? SHADER(background_fragment) : SHADER(model_fragment);
         result = create_module(pipelines->device, fragment, &modules[1], error);
@@ -242,7 +249,8 @@ girih_result girih_pipelines_get(girih_pipelines *pipelines, const girih_pipelin
     vkDestroyShaderModule(pipelines->device, modules[0], NULL);
     vkDestroyShaderModule(pipelines->device, modules[1], NULL);
     if (result == GIRIH_OK) {
-        pipelines->entries[pipelines->count++] = (struct girih_pipeline_entry){*key, *pipeline};
+        pipelines->entries[pipelines->count++] =
+            (struct girih_pipeline_entry){*key, own_revision, *pipeline};
     }
     return result;
 }

@@ -92,10 +92,18 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         state->child_inputs[2] = &options->camera;
         state->child_inputs[3] = &options->device;
         return 0;
-    case 'o': options->output = argument; return 0;
-    case KEY_MODE: options->mode = girih_option_mode(state, argument); return 0;
-    case KEY_SHADE: options->shade = read_shade(state, argument); return 0;
-    case KEY_WIREFRAME: options->wireframe = true; return 0;
+    case 'o':
+        options->output = argument;
+        return 0;
+    case KEY_MODE:
+        options->mode = girih_option_mode(state, argument);
+        return 0;
+    case KEY_SHADE:
+        options->shade = read_shade(state, argument);
+        return 0;
+    case KEY_WIREFRAME:
+        options->wireframe = true;
+        return 0;
     case KEY_BACKFACE_COLOR:
         girih_option_vector(state, "backface-color", argument, options->back_face_color);
         for (int n = 0; n < 3; n++) {
@@ -106,12 +114,23 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         }
         options->has_back_face_color = true;
         return 0;
-    case KEY_BESIDE_INPUT: options->beside_input = true; return 0;
-    case KEY_JSON: options->json = true; return 0;
-    case ARGP_KEY_ARG: girih_option_model(state, &options->model, argument); return 0;
-    case ARGP_KEY_NO_ARGS: argp_error(state, "no MODEL"); return 0;
-    case ARGP_KEY_END: check_options(state, options); return 0;
-    default: return ARGP_ERR_UNKNOWN;
+    case KEY_BESIDE_INPUT:
+        options->beside_input = true;
+        return 0;
+    case KEY_JSON:
+        options->json = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        girih_option_model(state, &options->model, argument);
+        return 0;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "no MODEL");
+        return 0;
+    case ARGP_KEY_END:
+        check_options(state, options);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -322,8 +341,8 @@ static girih_result refine_on_device(session *s, uint32_t number, girih_surface 
 static girih_result add_drawing(session *s, girih_surface surface, const girih_frame *frame,
                                 uint32_t x, uint32_t width, girih_error *error) {
     uint32_t number = s->drawing_count++;
-    s->drawings[number] =
-        (girih_drawing){.mode = s->mode, .surface = surface, .x = x, .width = width};
+    s->drawings[number] = (girih_drawing){
+        .mode = s->mode, .surface = surface, .own = &s->own, .x = x, .width = width};
     return s->options->device.cpu ? refine_on_cpu(s, number, surface, frame, error)
                                   : refine_on_device(s, number, surface, frame, error);
 }
@@ -353,34 +372,40 @@ static girih_result add_drawings(session *s, girih_error *error) {
 
 static girih_result draw(session *s, girih_error *error) {
     const render_options *options = s->options;
-    girih_renderer_desc desc = {
+    const uint32_t width = options->camera.width;
+    const uint32_t height = options->camera.height;
+    const girih_renderer_desc desc = {
         .device = &s->device,
         .context = s->context,
         .catalogue = s->catalogue.catalogue,
         .model = &s->model,
-        .own = &s->own,
+        .surface_layout = s->own.layout,
+        .frame_count = 1,
+    };
+    girih_picture picture = {
         .view = &s->view,
-        .width = options->camera.width,
-        .height = options->camera.height,
-        .drawing_width = s->drawings[0].width,
         .shade = options->shade,
         .wireframe = options->wireframe,
         .has_back_face_color = options->has_back_face_color,
+        .drawings = s->drawings,
+        .drawing_count = s->drawing_count,
     };
-    memcpy(desc.back_face_color, options->back_face_color, sizeof desc.back_face_color);
-    uint8_t *rgba = malloc((size_t)desc.width * desc.height * 4);
+    memcpy(picture.back_face_color, options->back_face_color, sizeof picture.back_face_color);
+    uint8_t *rgba = malloc((size_t)width * height * 4);
     if (rgba == NULL) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
     girih_report_progress("drawing");
     girih_result result = girih_renderer_create(&desc, &s->renderer, error);
     if (result == GIRIH_OK) {
-        result = girih_renderer_draw(s->renderer, s->drawings, s->drawing_count, rgba,
-                                     &s->times.draw, error);
+        result = girih_renderer_resize(s->renderer, width, height, error);
+    }
+    if (result == GIRIH_OK) {
+        result = girih_renderer_draw(s->renderer, &picture, rgba, &s->times.draw, error);
     }
     char message[sizeof error->message];
     if (result == GIRIH_OK &&
-        !girih_png_write(options->output, desc.width, desc.height, rgba, message, sizeof message)) {
+        !girih_png_write(options->output, width, height, rgba, message, sizeof message)) {
         result = girih_fail(error, GIRIH_ERROR_INVALID_DATA, "%s", message);
         s->file = options->output;
     }

@@ -1,4 +1,4 @@
-// Pictures of refined models, off screen.
+// Pictures of refined models: one after another, of any size, view and look.
 #ifndef GIRIH_VIEWER_RENDERER_H
 #define GIRIH_VIEWER_RENDERER_H
 
@@ -14,19 +14,14 @@ typedef enum girih_shade {
                           // own
 } girih_shade;
 
+// What stays the same from picture to picture.
 typedef struct girih_renderer_desc {
     girih_device *device;
-    const girih_context *context;
+    const girih_context *context; // NULL: all drawings are without a plan
     const girih_catalogue *catalogue;
-    const girih_model *model;     // GIRIH_MODEL_DRAW; must outlive the renderer
-    const girih_own_surface *own; // NULL: no drawing has a surface of the user's
-    const girih_view *view;
-    uint32_t width, height;
-    uint32_t drawing_width; // of each of the drawings side by side
-    girih_shade shade;
-    bool wireframe;
-    bool has_back_face_color;
-    float back_face_color[3];
+    const girih_model *model;             // GIRIH_MODEL_DRAW; must outlive the renderer
+    VkDescriptorSetLayout surface_layout; // girih_own_surface.layout
+    uint32_t frame_count;                 // pictures that may be in flight at once
 } girih_renderer_desc;
 
 // Where the triangles of one drawing come from: a plan, or vertex and index buffers with a range of
@@ -35,23 +30,52 @@ typedef struct girih_drawing {
     const girih_plan *plan;
     girih_mode mode;
     girih_surface surface;
+    const girih_own_surface *own;            // GIRIH_SURFACE_OWN, instanced
     bool has_splits;                         // of the plan: see girih_refinement
     VkBuffer positions, attributes, indices; // without a plan
     const uint32_t *material_first;          // [material_count + 1]
     uint32_t x, width;                       // the columns of the picture that it fills
 } girih_drawing;
 
+// One picture: drawings side by side, equally wide.
+typedef struct girih_picture {
+    const girih_view *view; // of each drawing
+    girih_shade shade;
+    bool wireframe; // the device draws lines (fillModeNonSolid)
+    bool has_back_face_color;
+    float back_face_color[3];
+    const girih_drawing *drawings;
+    uint32_t drawing_count;
+} girih_picture;
+
 typedef struct girih_renderer girih_renderer;
 
-// On success *renderer is the caller's. desc is copied.
+// On success *renderer is the caller's. desc is copied. Has no size yet.
 girih_result girih_renderer_create(const girih_renderer_desc *desc, girih_renderer **renderer,
                                    girih_error *error);
 void girih_renderer_destroy(girih_renderer *renderer); // takes NULL
 
-// Draws one picture of all drawings side by side and reads it into rgba, 4 * width * height bytes,
-// top row first. *milliseconds is the device's time for it, negative where it has no clock.
-girih_result girih_renderer_draw(girih_renderer *renderer, const girih_drawing *drawings,
-                                 uint32_t drawing_count, uint8_t *rgba, double *milliseconds,
-                                 girih_error *error);
+// The size of the pictures to come, at least 1 x 1. No submitted picture may be unfinished. After a
+// failure there is no size.
+girih_result girih_renderer_resize(girih_renderer *renderer, uint32_t width, uint32_t height,
+                                   girih_error *error);
+
+// Records a picture outside a render pass, behind what its drawings' plans were refined by. frame,
+// below frame_count, tells which picture in flight this is: the one before of that number must be
+// finished. The picture is then in girih_renderer_image, for copies, until the next one is drawn.
+// After a failure the commands must not be submitted.
+girih_result girih_renderer_record(girih_renderer *renderer, VkCommandBuffer commands,
+                                   uint32_t frame, const girih_picture *picture,
+                                   girih_error *error);
+
+// The finished picture: R8G8B8A8_SRGB, one sample, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, visible to
+// transfer reads of later commands.
+VkImage girih_renderer_image(const girih_renderer *renderer);
+
+// Draws one picture, waits for it and reads it into rgba, 4 * width * height bytes, top row first.
+// *milliseconds is the device's time for it, negative where it has no clock. No submitted picture
+// may be unfinished.
+girih_result girih_renderer_draw(girih_renderer *renderer, const girih_picture *picture,
+                                 uint8_t *rgba, double *milliseconds, girih_error *error);
 
 #endif

@@ -57,7 +57,8 @@ void main() {
     }
 #endif
     if (picture.shade == SHADE_RANGES) {
-        out_range_color = range_colors[(point.key >> 3) % picture.range_count].rgb;
+        out_range_color = range_colors[picture.first_range_color +
+                                       (point.key >> 3) % picture.range_count].rgb;
     }
 #else
     if (HAS_BASE_COLOR_MAP || HAS_NORMAL_MAP) {

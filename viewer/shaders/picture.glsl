@@ -1,5 +1,5 @@
 // What the shaders of a picture share: the frame's uniform block, the material's push constants, and
-// the ways to shade. renderer.h holds the same layout for C.
+// the ways to shade. picture.h holds the same layout for C.
 #ifndef GIRIH_PICTURE_GLSL
 #define GIRIH_PICTURE_GLSL
 
@@ -14,6 +14,7 @@ layout(std140, set = 0, binding = 0) uniform Picture {
     vec4 fill_light;
     vec4 back_face; // a > 0: the colour of back faces, sRGB
     uint shade;
+    uint first_range_color; // of the colours that shade asks for
     uint range_count;
     uint attribute_floats;
     uint texcoord_float;  // instanced: where the texture coordinates begin in a vertex's attributes

@@ -1,0 +1,61 @@
+// What the shaders of a picture read: shaders/picture.glsl.
+#ifndef GIRIH_VIEWER_PICTURE_H
+#define GIRIH_VIEWER_PICTURE_H
+
+#include "panorama.h"
+#include "renderer.h"
+
+// The uniform block, std140.
+typedef struct girih_picture_block {
+    float view_projection[4][4];
+    float eye[4];
+    float key_light[4];
+    float fill_light[4];
+    float back_face[4];
+    uint32_t shade;
+    uint32_t first_range_color;
+    uint32_t range_count;
+    uint32_t attribute_floats;
+    uint32_t texcoord_float;
+    uint32_t texcoord_floats;
+    uint32_t color_float;
+    uint32_t padding;
+    float panorama_forward[4];
+    float panorama_right[4];
+    float panorama_up[4];
+    float panorama_slopes_depth[4];
+} girih_picture_block;
+
+// The push constants.
+typedef struct girih_material_block {
+    float base_color[4];
+    float emissive[4];
+    float base_color_row0[4];
+    float base_color_row1[4];
+    float normal_row0[4];
+    float normal_row1[4];
+    float normal_scale;
+    float metallic;
+    float roughness;
+    float alpha_cutoff;
+} girih_material_block;
+
+// Colours by range: those by level, then those by pattern, range_count of each. colors may be NULL.
+// Returns range_count.
+uint32_t girih_picture_range_colors(const girih_catalogue *catalogue, float (*colors)[4]);
+
+// The slices that a picture is drawn in: a panorama's, else one.
+uint32_t girih_picture_slice_count(const girih_view *view);
+
+// The columns of a drawing that slice n takes.
+girih_panorama_slice girih_picture_slice(const girih_view *view, uint32_t n,
+                                         uint32_t drawing_width);
+
+// The block of one slice.
+girih_picture_block girih_picture_fill(const girih_picture *picture, const girih_model *model,
+                                       uint32_t range_count, uint32_t slice);
+
+// A material's; NULL: the default one.
+girih_material_block girih_picture_material(const girih_gltf_material *material);
+
+#endif
