@@ -153,6 +153,20 @@ static girih_result create_sets(girih_renderer *renderer, girih_error *error) {
     return GIRIH_OK;
 }
 
+static girih_result create_overlays(girih_renderer *renderer, girih_error *error) {
+    renderer->overlays = calloc(renderer->desc.frame_count, sizeof *renderer->overlays);
+    if (renderer->overlays == NULL) {
+        return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
+    }
+    girih_result result = GIRIH_OK;
+    for (uint32_t n = 0; n < renderer->desc.frame_count && result == GIRIH_OK; n++) {
+        result = girih_overlay_painter_create(&renderer->overlays[n], renderer->device,
+                                              renderer->attachments.pass,
+                                              renderer->attachments.samples, error);
+    }
+    return result;
+}
+
 static girih_result create_parts(girih_renderer *renderer, girih_error *error) {
     girih_result result = girih_textures_create(&renderer->textures, renderer->device,
                                                 renderer->desc.model->contents, error);
@@ -167,6 +181,9 @@ static girih_result create_parts(girih_renderer *renderer, girih_error *error) {
     }
     if (result == GIRIH_OK) {
         result = create_sets(renderer, error);
+    }
+    if (result == GIRIH_OK) {
+        result = create_overlays(renderer, error);
     }
     return result;
 }
@@ -201,6 +218,10 @@ void girih_renderer_destroy(girih_renderer *renderer) {
     }
     girih_device *device = renderer->device;
     girih_pipelines_free(&renderer->pipelines);
+    for (uint32_t n = 0; renderer->overlays != NULL && n < renderer->desc.frame_count; n++) {
+        girih_overlay_painter_destroy(&renderer->overlays[n], device);
+    }
+    free(renderer->overlays);
     vkDestroyPipelineLayout(device->device, renderer->pipelines.layout, NULL);
     vkDestroyDescriptorPool(device->device, renderer->descriptors, NULL);
     vkDestroyDescriptorSetLayout(device->device, renderer->picture_layout, NULL);
@@ -216,6 +237,11 @@ void girih_renderer_destroy(girih_renderer *renderer) {
 girih_result girih_renderer_resize(girih_renderer *renderer, uint32_t width, uint32_t height,
                                    girih_error *error) {
     return girih_attachments_resize(&renderer->attachments, renderer->device, width, height, error);
+}
+
+girih_result girih_renderer_set_overlay(girih_renderer *renderer, uint32_t frame,
+                                        const girih_overlay *overlay, girih_error *error) {
+    return girih_overlay_painter_set(&renderer->overlays[frame], renderer->device, overlay, error);
 }
 
 VkImage girih_renderer_image(const girih_renderer *renderer) {

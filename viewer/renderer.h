@@ -4,6 +4,7 @@
 
 #include "camera.h"
 #include "device.h"
+#include "overlay.h"
 #include "own_surface.h"
 
 typedef enum girih_shade {
@@ -59,6 +60,11 @@ void girih_renderer_destroy(girih_renderer *renderer); // takes NULL
 // failure there is no size.
 girih_result girih_renderer_resize(girih_renderer *renderer, uint32_t width, uint32_t height,
                                    girih_error *error);
+
+// Copies an overlay, NULL being an empty one, to lie over the pictures of a frame in flight from now
+// on, the one of that number being finished.
+girih_result girih_renderer_set_overlay(girih_renderer *renderer, uint32_t frame,
+                                        const girih_overlay *overlay, girih_error *error);
 
 // Records a picture outside a render pass, behind what its drawings' plans were refined by. frame,
 // below frame_count, tells which picture in flight this is: the one before of that number must be

@@ -159,6 +159,7 @@ static girih_result draw_pass(const recording *r, girih_error *error) {
     if (picture->drawing_count > 1) {
         draw_divider(r);
     }
+    girih_overlay_painter_record(&renderer->overlays[r->frame], r->commands);
     vkCmdEndRenderPass(r->commands);
     return result;
 }

@@ -3,6 +3,7 @@
 #define GIRIH_VIEWER_RENDERER_PARTS_H
 
 #include "attachments.h"
+#include "overlay_painter.h"
 #include "picture.h"
 #include "pipelines.h"
 #include "textures.h"
@@ -25,6 +26,7 @@ struct girih_renderer {
     VkDescriptorSet picture_set;
     VkDescriptorSet *material_sets; // [model->material_count]
     girih_pipelines pipelines;
+    girih_overlay_painter *overlays; // [desc.frame_count]
 };
 
 // NULL: the default material.
