@@ -72,34 +72,30 @@ static bool normalize(double a[3]) {
     return true;
 }
 
-// The camera as it is worked out, in double.
-typedef struct camera {
-    double eye[3], right[3], up[3], back[3];
-    bool orthographic;
-    double half_height; // of the picture at distance 1; orthographic: anywhere
-    double near, far;   // far 0: to be found
-} camera;
-
-// Right and up from back and the wanted up; another up where the two are parallel.
-static void complete_basis(camera *c, const float view_up[3]) {
-    double up[3] = {view_up[0], view_up[1], view_up[2]};
-    cross(up, c->back, c->right);
-    double length = sqrt(dot(up, up));
-    if (sqrt(dot(c->right, c->right)) < 1e-6 * length || !normalize(c->right)) {
-        double other[3] = {0.0, 0.0, fabs(c->back[2]) < 0.9 ? -1.0 : 0.0};
+// Another up where it is parallel to back.
+void girih_camera_level(girih_camera *camera, const double view_up[3]) {
+    cross(view_up, camera->back, camera->right);
+    double length = sqrt(dot(view_up, view_up));
+    if (sqrt(dot(camera->right, camera->right)) < 1e-6 * length || !normalize(camera->right)) {
+        double other[3] = {0.0, 0.0, fabs(camera->back[2]) < 0.9 ? -1.0 : 0.0};
         other[1] = other[2] != 0.0 ? 0.0 : 1.0;
-        cross(other, c->back, c->right);
-        normalize(c->right);
+        cross(other, camera->back, camera->right);
+        normalize(camera->right);
     }
-    cross(c->back, c->right, c->up);
-    normalize(c->up);
+    cross(camera->back, camera->right, camera->up);
+    normalize(camera->up);
+}
+
+static void complete_basis(girih_camera *c, const float view_up[3]) {
+    girih_camera_level(c, (const double[3]){view_up[0], view_up[1], view_up[2]});
 }
 
 // Moves the eye along `back` to where all points are inside the picture, and sideways to the middle
 // of them unless the camera has a point to look at. For one direction and slope s of the picture's
 // side, a point is inside where side·p - eye_side <= (eye_back - back·p) s, so the largest side·p +
 // s back·p decides.
-static void frame_points(camera *c, const points *set, double aspect, const double *focal_point) {
+static void frame_points(girih_camera *c, const points *set, double aspect,
+                         const double *focal_point) {
     const double margin = 0.92;
     double slope[2] = {c->half_height * aspect * margin, c->half_height * margin};
     const double *sides[2] = {c->right, c->up};
@@ -184,7 +180,7 @@ static bool turns_its_back(const points *set, const double direction[3]) {
     return front < 0.1 * back;
 }
 
-static void use_file_camera(camera *c, const girih_gltf_camera *source) {
+static void use_file_camera(girih_camera *c, const girih_gltf_camera *source) {
     const float *t = source->transform;
     for (int n = 0; n < 3; n++) {
         c->eye[n] = t[4 * n + 3];
@@ -201,16 +197,24 @@ static void use_file_camera(camera *c, const girih_gltf_camera *source) {
     c->far = source->far;
 }
 
-static void use_options(camera *c, const girih_camera_options *options, const points *set,
-                        double aspect) {
-    double low[3], high[3];
+void girih_model_box(const girih_model *model, const girih_instance *instances,
+                     uint32_t instance_count, double low[3], double high[3]) {
+    const points set = {model, instances, instance_count};
     double axes[6][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
     double reaches[6];
-    reach(set, axes, 6, reaches);
-    double focal_point[3];
+    reach(&set, axes, 6, reaches);
     for (int n = 0; n < 3; n++) {
         low[n] = -reaches[3 + n];
         high[n] = reaches[n];
+    }
+}
+
+static void use_options(girih_camera *c, const girih_camera_options *options, const points *set,
+                        double aspect) {
+    double low[3], high[3];
+    double focal_point[3];
+    girih_model_box(set->model, set->instances, set->instance_count, low, high);
+    for (int n = 0; n < 3; n++) {
         focal_point[n] =
             options->has_focal_point ? (double)options->focal_point[n] : (low[n] + high[n]) / 2.0;
     }
@@ -253,7 +257,7 @@ static void use_options(camera *c, const girih_camera_options *options, const po
 }
 
 // Near and far planes around all points, with room for surfaces that bulge out of them.
-static void find_depth(camera *c, const points *set) {
+static void find_depth(girih_camera *c, const points *set) {
     double directions[2][3];
     for (int n = 0; n < 3; n++) {
         directions[0][n] = c->back[n];
@@ -280,7 +284,7 @@ static void find_depth(camera *c, const points *set) {
     c->far = c->far > c->near ? c->far : c->near + size;
 }
 
-static void fill_view(girih_view *view, const camera *c, double aspect, uint32_t height) {
+static void fill_view(girih_view *view, const girih_camera *c, double aspect, uint32_t height) {
     double view_matrix[4][4] = {{0}}; // columns
     for (int n = 0; n < 3; n++) {
         view_matrix[n][0] = c->right[n];
@@ -335,23 +339,20 @@ static void fill_view(girih_view *view, const camera *c, double aspect, uint32_t
 }
 
 // Perspective or, from a file, orthographic.
-static void fill_perspective(girih_view *view, const girih_camera_options *options,
-                             const girih_model *model, const points *set, uint32_t width,
-                             uint32_t height) {
-    camera c = {0};
-    double aspect = (double)width / (double)height;
+static void make_camera(girih_camera *c, const girih_camera_options *options, const points *set,
+                        double aspect) {
+    *c = (girih_camera){0};
     if (options->has_index) {
-        use_file_camera(&c, &model->contents->cameras[options->index]);
+        use_file_camera(c, &set->model->contents->cameras[options->index]);
     } else {
-        use_options(&c, options, set, aspect);
+        use_options(c, options, set, aspect);
     }
-    if (!(c.far > 0.0)) {
-        double near = c.near;
-        find_depth(&c, set);
-        c.near = options->has_index ? near : c.near;
-        c.far = c.far > c.near ? c.far : 2.0 * c.near;
+    if (!(c->far > 0.0)) {
+        double near = c->near;
+        find_depth(c, set);
+        c->near = options->has_index ? near : c->near;
+        c->far = c->far > c->near ? c->far : 2.0 * c->near;
     }
-    fill_view(view, &c, aspect, height);
 }
 
 // Where a camera in a cylindrical projection stands, and what it looks at; look 0: nothing in
@@ -378,7 +379,7 @@ static void stand_in_cylinder(const girih_camera_options *options, const girih_m
 }
 
 // The farthest that a point can be from the axis, by a box along right and back.
-static double farthest_from_axis(const camera *c, const points *set) {
+static double farthest_from_axis(const girih_camera *c, const points *set) {
     double sides[4][3];
     for (int n = 0; n < 3; n++) {
         sides[0][n] = c->right[n];
@@ -400,7 +401,7 @@ static double farthest_from_axis(const camera *c, const points *set) {
 static girih_result fill_cylinder(girih_view *view, const girih_camera_options *options,
                                   const girih_model *model, const points *set, uint32_t width,
                                   uint32_t height, girih_error *error) {
-    camera c = {0};
+    girih_camera c = {0};
     double look[3];
     bool is_aimed;
     stand_in_cylinder(options, model, set, c.eye, look, &is_aimed);
@@ -474,27 +475,58 @@ static bool view_is_finite(const girih_view *view) {
     return is_finite;
 }
 
-girih_result girih_view_create(girih_view *view, const girih_camera_options *options,
-                               const girih_model *model, const girih_instance *instances,
-                               uint32_t instance_count, uint32_t width, uint32_t height,
-                               girih_error *error) {
-    points set = {model, instances, instance_count};
-    *view = (girih_view){0};
+static girih_result check_index(const girih_camera_options *options, const girih_model *model,
+                                girih_error *error) {
     if (options->has_index && options->index >= model->contents->camera_count) {
         return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "no camera %u: the file has %u",
                           options->index, model->contents->camera_count);
     }
-    if (options->cylindrical) {
-        girih_result result = fill_cylinder(view, options, model, &set, width, height, error);
-        if (result != GIRIH_OK) {
-            return result;
-        }
-    } else {
-        fill_perspective(view, options, model, &set, width, height);
-    }
+    return GIRIH_OK;
+}
+
+static girih_result check_view(const girih_view *view, girih_error *error) {
     if (!view_is_finite(view)) {
         return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
                           "the camera cannot see a model of this size or place: set another one");
     }
     return GIRIH_OK;
+}
+
+girih_result girih_camera_create(girih_camera *camera, const girih_camera_options *options,
+                                 const girih_model *model, const girih_instance *instances,
+                                 uint32_t instance_count, uint32_t width, uint32_t height,
+                                 girih_error *error) {
+    const points set = {model, instances, instance_count};
+    girih_result result = check_index(options, model, error);
+    if (result == GIRIH_OK) {
+        make_camera(camera, options, &set, (double)width / (double)height);
+    }
+    return result;
+}
+
+girih_result girih_view_from_camera(girih_view *view, const girih_camera *camera, uint32_t width,
+                                    uint32_t height, girih_error *error) {
+    *view = (girih_view){0};
+    fill_view(view, camera, (double)width / (double)height, height);
+    return check_view(view, error);
+}
+
+girih_result girih_view_create(girih_view *view, const girih_camera_options *options,
+                               const girih_model *model, const girih_instance *instances,
+                               uint32_t instance_count, uint32_t width, uint32_t height,
+                               girih_error *error) {
+    if (!options->cylindrical) {
+        girih_camera camera;
+        girih_result result = girih_camera_create(&camera, options, model, instances,
+                                                  instance_count, width, height, error);
+        return result == GIRIH_OK ? girih_view_from_camera(view, &camera, width, height, error)
+                                  : result;
+    }
+    const points set = {model, instances, instance_count};
+    *view = (girih_view){0};
+    girih_result result = check_index(options, model, error);
+    if (result == GIRIH_OK) {
+        result = fill_cylinder(view, options, model, &set, width, height, error);
+    }
+    return result == GIRIH_OK ? check_view(view, error) : result;
 }

@@ -30,4 +30,29 @@ girih_result girih_view_create(girih_view *view, const girih_camera_options *opt
                                uint32_t instance_count, uint32_t width, uint32_t height,
                                girih_error *error);
 
+// A camera that is no panorama, to be moved about: what girih_view_create makes its view of.
+typedef struct girih_camera {
+    double eye[3], right[3], up[3], back[3]; // unit vectors; back points towards the viewer
+    bool orthographic;
+    double half_height; // of the picture at distance 1; orthographic: anywhere
+    double near, far;
+} girih_camera;
+
+girih_result girih_camera_create(girih_camera *camera, const girih_camera_options *options,
+                                 const girih_model *model, const girih_instance *instances,
+                                 uint32_t instance_count, uint32_t width, uint32_t height,
+                                 girih_error *error);
+
+// Turns right and up to where the camera's back points to, up being as near to view_up as can be.
+void girih_camera_level(girih_camera *camera, const double view_up[3]);
+
+// Refuses a camera whose numbers no picture comes of.
+girih_result girih_view_from_camera(girih_view *view, const girih_camera *camera, uint32_t width,
+                                    uint32_t height, girih_error *error);
+
+// The box around a model's instances, how far its surface strays from them included; a cube around
+// the origin where there are none.
+void girih_model_box(const girih_model *model, const girih_instance *instances,
+                     uint32_t instance_count, double low[3], double high[3]);
+
 #endif
