@@ -12,13 +12,22 @@ static bool is_depth_attachment(const girih_device *device, VkFormat format) {
 
 // Attachments: depth, resolved colour and, with several samples, the colour that is resolved.
 girih_result girih_attachments_create(girih_attachments *attachments, const girih_device *device,
-                                      girih_error *error) {
+                                      uint32_t wanted, girih_error *error) {
     *attachments = (girih_attachments){0};
     const VkPhysicalDeviceLimits *limits = &device->properties.limits;
     VkSampleCountFlags samples =
         limits->framebufferColorSampleCounts & limits->framebufferDepthSampleCounts;
-    attachments->samples =
-        (samples & VK_SAMPLE_COUNT_4_BIT) != 0 ? VK_SAMPLE_COUNT_4_BIT : VK_SAMPLE_COUNT_1_BIT;
+    // VkSampleCountFlagBits are the counts themselves.
+    if (wanted != 0 && (samples & wanted) == 0) {
+        return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
+                          "--samples %u: %s has%s%s%s%s samples of a pixel", wanted,
+                          device->properties.deviceName, (samples & 1) != 0 ? " 1" : "",
+                          (samples & 2) != 0 ? " 2" : "", (samples & 4) != 0 ? " 4" : "",
+                          (samples & 8) != 0 ? " 8" : "");
+    }
+    attachments->samples = (VkSampleCountFlagBits)(wanted != 0          ? wanted
+                                                   : (samples & 4) != 0 ? 4
+                                                                        : 1);
     attachments->depth_format = is_depth_attachment(device, VK_FORMAT_D32_SFLOAT)
                                     ? VK_FORMAT_D32_SFLOAT
                                     : VK_FORMAT_X8_D24_UNORM_PACK32;

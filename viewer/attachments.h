@@ -16,10 +16,11 @@ typedef struct girih_attachments {
     VkFramebuffer framebuffer;
 } girih_attachments;
 
-// Chooses formats and makes the render pass. girih_attachments_free takes *attachments, whatever
+// Chooses formats and makes the render pass. samples of a pixel: 0 for 4, or 1 where the device has
+// no more. girih_attachments_free takes *attachments, whatever
 // the result.
 girih_result girih_attachments_create(girih_attachments *attachments, const girih_device *device,
-                                      girih_error *error);
+                                      uint32_t samples, girih_error *error);
 
 // Makes the images anew. No submitted commands may still use the ones before.
 girih_result girih_attachments_resize(girih_attachments *attachments, const girih_device *device,

@@ -53,15 +53,12 @@ uint32_t girih_picture_range_colors(const girih_catalogue *catalogue, float (*co
     return range_count;
 }
 
-// --- The picture ---
+// Hot where triangles are smaller than the 2 x 2 pixels that devices shade at once.
+const float girih_density_colors[GIRIH_DENSITY_COLORS][3] = {
+    {0.55f, 0.00f, 0.38f}, {0.84f, 0.19f, 0.15f}, {0.96f, 0.55f, 0.26f}, {0.99f, 0.88f, 0.50f},
+    {0.60f, 0.84f, 0.64f}, {0.27f, 0.52f, 0.77f}, {0.20f, 0.20f, 0.58f}};
 
-static void combine(float to[4], const girih_view *view, float right, float up, float back) {
-    float length = sqrtf(right * right + up * up + back * back);
-    for (int n = 0; n < 3; n++) {
-        to[n] = (right * view->right[n] + up * view->up[n] + back * view->back[n]) / length;
-    }
-    to[3] = 0.0f;
-}
+// --- The picture ---
 
 uint32_t girih_picture_slice_count(const girih_view *view) {
     return view->cylindrical ? girih_panorama_slice_count(view->view_angle) : 1;
@@ -89,30 +86,71 @@ static void fill_panorama(girih_picture_block *block, const girih_view *view,
     memcpy(block->panorama_slopes_depth + 2, view->depth, sizeof view->depth);
 }
 
-girih_picture_block girih_picture_fill(const girih_picture *picture, const girih_model *model,
-                                       uint32_t range_count, uint32_t slice) {
+// 0 at the nearest point of the model's box that can be in the picture, 1 at the farthest. All the
+// way round there is no front.
+static void fill_depth_cue(girih_picture_block *block, const girih_picture *picture) {
     const girih_view *view = picture->view;
+    if (view->cylindrical) {
+        return;
+    }
+    double nearest = 0.0;
+    double farthest = 0.0;
+    double eye = 0.0;
+    for (int n = 0; n < 3; n++) {
+        // Along back, away from the viewer's direction.
+        double back = (double)view->back[n];
+        nearest += back * picture->box[back > 0.0 ? 1 : 0][n];
+        farthest += back * picture->box[back > 0.0 ? 0 : 1][n];
+        eye += back * (double)view->eye[n];
+    }
+    nearest = view->orthographic ? nearest : fmin(nearest, eye);
+    double depth = nearest - farthest;
+    if (depth > 0.0) {
+        for (int n = 0; n < 3; n++) {
+            block->depth_cue[n] = (float)(-(double)view->back[n] / depth);
+        }
+        block->depth_cue[3] = (float)(nearest / depth);
+    }
+}
+
+// shaders/picture.glsl: levels and patterns are colours by range.
+static uint32_t shader_shade(girih_shade shade) {
+    static const uint32_t shades[] = {0, 1, 2, 2, 3};
+    return shades[shade];
+}
+
+girih_picture_block girih_picture_fill(const girih_picture *picture, const girih_model *model,
+                                       uint32_t range_count, uint32_t height, uint32_t slice) {
+    const girih_view *view = picture->view;
+    // Drawings side by side are equally wide, so they share the blocks of their slices.
+    girih_panorama_slice columns = girih_picture_slice(view, slice, picture->drawings[0].width);
     girih_picture_block block = {
-        .shade = picture->shade == GIRIH_SHADE_PATTERNS ? GIRIH_SHADE_LEVELS : picture->shade,
+        .shade = shader_shade(picture->shade),
         .first_range_color = picture->shade == GIRIH_SHADE_PATTERNS ? range_count : 0,
         .range_count = range_count,
         .attribute_floats = model->attribute_floats,
         .texcoord_float = model->texcoord_float,
         .texcoord_floats = model->texcoord_floats,
         .color_float = model->color_float,
+        .half_pixels = {0.5f * (float)columns.width, 0.5f * (float)height},
+        .line_half_width = picture->wireframe ? 0.5f * picture->line_width : 0.0f,
+        .exposure = exp2f(picture->exposure),
     };
     memcpy(block.view_projection, view->view_projection, sizeof block.view_projection);
     memcpy(block.eye, view->eye, sizeof view->eye);
     block.eye[3] = view->orthographic ? 0.0f : 1.0f;
-    combine(block.key_light, view, -0.5f, 0.7f, 0.75f);
-    combine(block.fill_light, view, 0.85f, 0.1f, 0.5f);
+    memcpy(block.studio_right, view->right, sizeof view->right);
+    memcpy(block.studio_up, view->up, sizeof view->up);
+    memcpy(block.studio_back, view->back, sizeof view->back);
+    fill_depth_cue(&block, picture);
+    for (int n = 0; n < GIRIH_DENSITY_COLORS; n++) {
+        memcpy(block.density_colors[n], girih_density_colors[n], sizeof girih_density_colors[n]);
+    }
     if (picture->has_back_face_color) {
         memcpy(block.back_face, picture->back_face_color, sizeof picture->back_face_color);
         block.back_face[3] = 1.0f;
     }
     if (view->cylindrical) {
-        // Drawings side by side are equally wide, so they share the blocks of their slices.
-        girih_panorama_slice columns = girih_picture_slice(view, slice, picture->drawings[0].width);
         fill_panorama(&block, view, &columns);
     }
     return block;

@@ -5,12 +5,15 @@
 #include "panorama.h"
 #include "renderer.h"
 
+// The colours of GIRIH_SHADE_DENSITY, sRGB, and the pixels that a triangle covers at each: a
+// quarter, then four times as many as before. In between they are mixed by the logarithm.
+enum { GIRIH_DENSITY_COLORS = 7 };
+extern const float girih_density_colors[GIRIH_DENSITY_COLORS][3];
+
 // The uniform block, std140.
 typedef struct girih_picture_block {
     float view_projection[4][4];
     float eye[4];
-    float key_light[4];
-    float fill_light[4];
     float back_face[4];
     uint32_t shade;
     uint32_t first_range_color;
@@ -20,6 +23,14 @@ typedef struct girih_picture_block {
     uint32_t texcoord_floats;
     uint32_t color_float;
     uint32_t padding;
+    float half_pixels[2];
+    float line_half_width;
+    float exposure;
+    float depth_cue[4];
+    float studio_right[4];
+    float studio_up[4];
+    float studio_back[4];
+    float density_colors[GIRIH_DENSITY_COLORS][4];
     float panorama_forward[4];
     float panorama_right[4];
     float panorama_up[4];
@@ -51,9 +62,9 @@ uint32_t girih_picture_slice_count(const girih_view *view);
 girih_panorama_slice girih_picture_slice(const girih_view *view, uint32_t n,
                                          uint32_t drawing_width);
 
-// The block of one slice.
+// The block of one slice of a picture of this height.
 girih_picture_block girih_picture_fill(const girih_picture *picture, const girih_model *model,
-                                       uint32_t range_count, uint32_t slice);
+                                       uint32_t range_count, uint32_t height, uint32_t slice);
 
 // A material's; NULL: the default one.
 girih_material_block girih_picture_material(const girih_gltf_material *material);

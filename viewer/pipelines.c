@@ -1,5 +1,6 @@
 #include "pipelines.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +18,8 @@
 #include "model_pn_attributes.spv.h"
 #include "model_pn_attributes_splits.spv.h"
 #include "model_pn_splits.spv.h"
+#include "model_triangles_fragment.spv.h"
+#include "triangle_geometry.spv.h"
 
 typedef struct shader {
     const uint32_t *words;
@@ -99,7 +102,8 @@ static void describe_buffers(const girih_pipelines *pipelines, buffer_input *inp
 
 static VkPipelineColorBlendAttachmentState blend_state(const girih_pipeline_key *key) {
     return (VkPipelineColorBlendAttachmentState){
-        .blendEnable = !key->background && (key->line || key->alpha_mode == GIRIH_GLTF_ALPHA_BLEND),
+        .blendEnable = !key->background &&
+                       (key->line_width > 0.0f || key->alpha_mode == GIRIH_GLTF_ALPHA_BLEND),
         .srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA,
         .dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
         .colorBlendOp = VK_BLEND_OP_ADD,
@@ -112,13 +116,14 @@ static VkPipelineColorBlendAttachmentState blend_state(const girih_pipeline_key 
 }
 
 static girih_result create_pipeline(const girih_pipelines *pipelines, const girih_pipeline_key *key,
-                                    const girih_plan *plan, const VkShaderModule modules[2],
+                                    const girih_plan *plan, const VkShaderModule modules[3],
                                     VkPipeline *pipeline, girih_error *error) {
+    bool is_line = key->line_width > 0.0f;
     VkBool32 switches[7] = {key->has_base_color_map,
                             key->has_color,
                             key->alpha_mode == GIRIH_GLTF_ALPHA_MASK,
                             key->alpha_mode == GIRIH_GLTF_ALPHA_BLEND,
-                            key->line,
+                            is_line,
                             key->has_normal_map,
                             key->cylindrical};
     VkSpecializationMapEntry entries[7];
@@ -126,11 +131,13 @@ static girih_result create_pipeline(const girih_pipelines *pipelines, const giri
         entries[n] = (VkSpecializationMapEntry){n, 4 * n, 4};
     }
     VkSpecializationInfo specialization = {7, entries, sizeof switches, switches};
-    VkPipelineShaderStageCreateInfo stages[2];
-    for (int n = 0; n < 2; n++) {
+    const VkShaderStageFlagBits kinds[3] = {
+        VK_SHADER_STAGE_VERTEX_BIT, VK_SHADER_STAGE_FRAGMENT_BIT, VK_SHADER_STAGE_GEOMETRY_BIT};
+    VkPipelineShaderStageCreateInfo stages[3];
+    for (int n = 0; n < 3; n++) {
         stages[n] = (VkPipelineShaderStageCreateInfo){
             .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-            .stage = n == 0 ? VK_SHADER_STAGE_VERTEX_BIT : VK_SHADER_STAGE_FRAGMENT_BIT,
+            .stage = kinds[n],
             .module = modules[n],
             .pName = "main",
             .pSpecializationInfo = key->background ? NULL : &specialization,
@@ -150,17 +157,17 @@ static girih_result create_pipeline(const girih_pipelines *pipelines, const giri
         .scissorCount = 1};
     VkPipelineRasterizationStateCreateInfo rasterization = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-        .polygonMode = key->line ? VK_POLYGON_MODE_LINE : VK_POLYGON_MODE_FILL,
+        .polygonMode = is_line ? VK_POLYGON_MODE_LINE : VK_POLYGON_MODE_FILL,
         .cullMode = key->cull,
         .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
         // Lines lie a little nearer than the triangles they run along; depth is reversed. At a
         // silhouette front and back faces meet, and rounding may put either first. A closed surface
         // has a front face wherever it has a back face, so pushed back, these show through holes
         // alone.
-        .depthBiasEnable = key->line || key->behind,
-        .depthBiasConstantFactor = key->line ? 16.0f : -64.0f,
-        .depthBiasSlopeFactor = key->line ? 1.0f : -2.0f,
-        .lineWidth = 1.0f,
+        .depthBiasEnable = is_line || key->behind,
+        .depthBiasConstantFactor = is_line ? 16.0f : -64.0f,
+        .depthBiasSlopeFactor = is_line ? 1.0f : -2.0f,
+        .lineWidth = is_line ? fmaxf(1.0f, fminf(key->line_width, pipelines->widest_line)) : 1.0f,
     };
     VkPipelineMultisampleStateCreateInfo multisample = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
@@ -170,7 +177,7 @@ static girih_result create_pipeline(const girih_pipelines *pipelines, const giri
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = !key->background,
         .depthWriteEnable =
-            !key->background && !key->line && key->alpha_mode != GIRIH_GLTF_ALPHA_BLEND,
+            !key->background && !is_line && key->alpha_mode != GIRIH_GLTF_ALPHA_BLEND,
         .depthCompareOp = VK_COMPARE_OP_GREATER_OR_EQUAL,
     };
     VkPipelineColorBlendAttachmentState attachment = blend_state(key);
@@ -187,7 +194,7 @@ static girih_result create_pipeline(const girih_pipelines *pipelines, const giri
     };
     VkGraphicsPipelineCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-        .stageCount = 2,
+        .stageCount = key->triangles ? 3 : 2,
         .pStages = stages,
         .pVertexInputState = key->background  ? &nothing
                              : key->instanced ? girih_plan_vertex_input(plan)
@@ -215,8 +222,9 @@ static bool keys_equal(const girih_pipeline_key *a, const girih_pipeline_key *b)
     return a->instanced == b->instanced && a->surface == b->surface &&
            a->has_splits == b->has_splits && a->has_base_color_map == b->has_base_color_map &&
            a->has_normal_map == b->has_normal_map && a->has_color == b->has_color &&
-           a->alpha_mode == b->alpha_mode && a->cull == b->cull && a->line == b->line &&
-           a->behind == b->behind && a->cylindrical == b->cylindrical;
+           a->alpha_mode == b->alpha_mode && a->cull == b->cull && a->line_width == b->line_width &&
+           a->triangles == b->triangles && a->behind == b->behind &&
+           a->cylindrical == b->cylindrical;
 }
 
 girih_result girih_pipelines_get(girih_pipelines *pipelines, const girih_pipeline_key *key,
@@ -236,18 +244,24 @@ girih_result girih_pipelines_get(girih_pipelines *pipelines, const girih_pipelin
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
     pipelines->entries = grown;
-    VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
+    VkShaderModule modules[3] = {VK_NULL_HANDLE, VK_NULL_HANDLE, VK_NULL_HANDLE};
     girih_result result = create_module(
         pipelines->device, choose_vertex_shader(pipelines, key, own), &modules[0], error);
     if (result == GIRIH_OK) {
-        shader fragment = key->background ? SHADER(background_fragment) : SHADER(model_fragment);
+        shader fragment = key->background  ? SHADER(background_fragment)
+                          : key->triangles ? SHADER(model_triangles_fragment)
+                                           : SHADER(model_fragment);
         result = create_module(pipelines->device, fragment, &modules[1], error);
+    }
+    if (result == GIRIH_OK && key->triangles) {
+        result = create_module(pipelines->device, SHADER(triangle_geometry), &modules[2], error);
     }
     if (result == GIRIH_OK) {
         result = create_pipeline(pipelines, key, plan, modules, pipeline, error);
     }
-    vkDestroyShaderModule(pipelines->device, modules[0], NULL);
-    vkDestroyShaderModule(pipelines->device, modules[1], NULL);
+    for (int n = 0; n < 3; n++) {
+        vkDestroyShaderModule(pipelines->device, modules[n], NULL);
+    }
     if (result == GIRIH_OK) {
         pipelines->entries[pipelines->count++] =
             (struct girih_pipeline_entry){*key, own_revision, *pipeline};

@@ -13,8 +13,9 @@ typedef struct girih_pipeline_key {
     bool has_base_color_map, has_normal_map, has_color; // has_color: of the vertices
     girih_gltf_alpha_mode alpha_mode;
     VkCullModeFlags cull;
-    bool line;
-    bool behind; // back faces in their own colour, pushed away from the viewer a little
+    float line_width; // 0: triangles are filled
+    bool triangles;   // fragments are told of their triangles by a geometry shader
+    bool behind;      // back faces in their own colour, pushed away from the viewer a little
     bool cylindrical;
 } girih_pipeline_key;
 
@@ -23,6 +24,7 @@ typedef struct girih_pipelines {
     VkRenderPass pass;
     VkPipelineLayout layout;
     VkSampleCountFlagBits samples;
+    float widest_line; // that the device draws
     uint32_t attribute_floats, texcoord_float, texcoord_floats, color_float;
     uint32_t count;
     struct girih_pipeline_entry {

@@ -54,8 +54,8 @@ static const struct argp_option own_options[] = {
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static girih_shade read_shade(struct argp_state *state, const char *text) {
-    static const char *const names[] = {"lit", "normals", "levels", "patterns"};
-    for (int n = 0; n < 4; n++) {
+    static const char *const names[] = {"lit", "normals", "levels", "patterns", "density"};
+    for (int n = 0; n < 5; n++) {
         if (strcmp(text, names[n]) == 0) {
             return (girih_shade)n;
         }
@@ -92,18 +92,10 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         state->child_inputs[2] = &options->camera;
         state->child_inputs[3] = &options->device;
         return 0;
-    case 'o':
-        options->output = argument;
-        return 0;
-    case KEY_MODE:
-        options->mode = girih_option_mode(state, argument);
-        return 0;
-    case KEY_SHADE:
-        options->shade = read_shade(state, argument);
-        return 0;
-    case KEY_WIREFRAME:
-        options->wireframe = true;
-        return 0;
+    case 'o': options->output = argument; return 0;
+    case KEY_MODE: options->mode = girih_option_mode(state, argument); return 0;
+    case KEY_SHADE: options->shade = read_shade(state, argument); return 0;
+    case KEY_WIREFRAME: options->wireframe = true; return 0;
     case KEY_BACKFACE_COLOR:
         girih_option_vector(state, "backface-color", argument, options->back_face_color);
         for (int n = 0; n < 3; n++) {
@@ -114,23 +106,12 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         }
         options->has_back_face_color = true;
         return 0;
-    case KEY_BESIDE_INPUT:
-        options->beside_input = true;
-        return 0;
-    case KEY_JSON:
-        options->json = true;
-        return 0;
-    case ARGP_KEY_ARG:
-        girih_option_model(state, &options->model, argument);
-        return 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "no MODEL");
-        return 0;
-    case ARGP_KEY_END:
-        check_options(state, options);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    case KEY_BESIDE_INPUT: options->beside_input = true; return 0;
+    case KEY_JSON: options->json = true; return 0;
+    case ARGP_KEY_ARG: girih_option_model(state, &options->model, argument); return 0;
+    case ARGP_KEY_NO_ARGS: argp_error(state, "no MODEL"); return 0;
+    case ARGP_KEY_END: check_options(state, options); return 0;
+    default: return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -225,6 +206,7 @@ static girih_mode choose_fastest_mode(const session *s) {
 
 static girih_result open_device(session *s, girih_error *error) {
     const girih_device_wishes wishes = {.graphics = true,
+                                        .features.geometryShader = true,
                                         .features.fillModeNonSolid = s->options->wireframe};
     girih_result result = girih_device_open(&s->device, &s->options->device, &wishes, error);
     if (result != GIRIH_OK) {
@@ -386,6 +368,7 @@ static girih_result draw(session *s, girih_error *error) {
         .view = &s->view,
         .shade = options->shade,
         .wireframe = options->wireframe,
+        .line_width = 1.0f,
         .has_back_face_color = options->has_back_face_color,
         .drawings = s->drawings,
         .drawing_count = s->drawing_count,

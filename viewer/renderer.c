@@ -30,8 +30,10 @@ static girih_result create_buffers(girih_renderer *renderer, girih_error *error)
 static girih_result create_layouts(girih_renderer *renderer, girih_error *error) {
     VkDevice device = renderer->device->device;
     VkShaderStageFlags both = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+    VkShaderStageFlags all =
+        both | (renderer->device->features.geometryShader ? VK_SHADER_STAGE_GEOMETRY_BIT : 0);
     VkDescriptorSetLayoutBinding picture[2] = {
-        {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1, both, NULL},
+        {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1, all, NULL},
         {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, NULL},
     };
     VkDescriptorSetLayoutBinding material[2] = {
@@ -171,7 +173,8 @@ static girih_result create_parts(girih_renderer *renderer, girih_error *error) {
     girih_result result = girih_textures_create(&renderer->textures, renderer->device,
                                                 renderer->desc.model->contents, error);
     if (result == GIRIH_OK) {
-        result = girih_attachments_create(&renderer->attachments, renderer->device, error);
+        result = girih_attachments_create(&renderer->attachments, renderer->device,
+                                          renderer->desc.samples, error);
     }
     if (result == GIRIH_OK) {
         result = create_buffers(renderer, error);
@@ -204,6 +207,8 @@ girih_result girih_renderer_create(const girih_renderer_desc *desc, girih_render
     made->pipelines.device = desc->device->device;
     made->pipelines.pass = made->attachments.pass;
     made->pipelines.samples = made->attachments.samples;
+    made->pipelines.widest_line =
+        desc->device->features.wideLines ? desc->device->properties.limits.lineWidthRange[1] : 1.0f;
     made->pipelines.attribute_floats = desc->model->attribute_floats;
     made->pipelines.texcoord_float = desc->model->texcoord_float;
     made->pipelines.texcoord_floats = desc->model->texcoord_floats;

@@ -13,6 +13,7 @@ typedef enum girih_shade {
     GIRIH_SHADE_LEVELS,   // a colour for the largest edge level of a base pattern
     GIRIH_SHADE_PATTERNS, // a colour for every base pattern; parts of split triangles have their
                           // own
+    GIRIH_SHADE_DENSITY,  // a colour for the pixels that a triangle covers; needs geometryShader
 } girih_shade;
 
 // What stays the same from picture to picture.
@@ -23,6 +24,7 @@ typedef struct girih_renderer_desc {
     const girih_model *model;             // GIRIH_MODEL_DRAW; must outlive the renderer
     VkDescriptorSetLayout surface_layout; // girih_own_surface.layout
     uint32_t frame_count;                 // pictures that may be in flight at once
+    uint32_t samples;                     // of a pixel; 0: 4, or 1 where the device has no more
 } girih_renderer_desc;
 
 // Where the triangles of one drawing come from: a plan, or vertex and index buffers with a range of
@@ -41,8 +43,12 @@ typedef struct girih_drawing {
 // One picture: drawings side by side, equally wide.
 typedef struct girih_picture {
     const girih_view *view; // of each drawing
+    double box[2][3]; // around the model (girih_model_box): lines fade from its front to its back
     girih_shade shade;
-    bool wireframe; // the device draws lines (fillModeNonSolid)
+    bool wireframe;   // with geometryShader, else fillModeNonSolid (and wideLines)
+    float line_width; // pixels, nearest to the viewer
+    float exposure;   // stops: light is multiplied by 2 to the power of it
+    bool transparent; // no background; the picture's colours are premultiplied by its alpha
     bool has_back_face_color;
     float back_face_color[3];
     const girih_drawing *drawings;

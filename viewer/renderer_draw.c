@@ -17,6 +17,12 @@ static uint32_t block_offset(const recording *r, uint32_t slice) {
     return (r->frame * r->renderer->slice_count + slice) * r->renderer->block_stride;
 }
 
+// Whether a geometry shader tells fragments of their triangles.
+static bool uses_triangles(const recording *r) {
+    return r->renderer->device->features.geometryShader &&
+           (r->picture->wireframe || r->picture->shade == GIRIH_SHADE_DENSITY);
+}
+
 static girih_result draw_material(const recording *r, const girih_drawing *drawing, uint32_t slice,
                                   uint32_t number, VkCullModeFlags cull, bool line,
                                   girih_error *error) {
@@ -35,7 +41,8 @@ static girih_result draw_material(const recording *r, const girih_drawing *drawi
         .has_color = model->color_float != GIRIH_MODEL_NONE,
         .alpha_mode = material != NULL ? material->alpha_mode : GIRIH_GLTF_ALPHA_OPAQUE,
         .cull = cull,
-        .line = line,
+        .line_width = line ? r->picture->line_width : 0.0f,
+        .triangles = !line && uses_triangles(r),
         .behind = shows_back_faces,
         .cylindrical = r->picture->view->cylindrical,
     };
@@ -82,13 +89,15 @@ static void set_viewport(const recording *r, uint32_t x, uint32_t width) {
     vkCmdSetScissor(r->commands, 0, 1, &scissor);
 }
 
-// Opaque materials, then blended ones, each of these with its far side first; lines over all. Back
-// faces in a colour of their own are always a drawing of their own.
+// Opaque materials, then blended ones, each of these with its far side first; lines over all, where
+// no geometry shader has fragments draw them. Back faces in a colour of their own are always a
+// drawing of their own.
 static girih_result draw_materials(const recording *r, const girih_drawing *drawing, uint32_t slice,
                                    girih_error *error) {
     bool has_back_face_color = r->picture->has_back_face_color;
     girih_result result = GIRIH_OK;
-    for (int layer = 0; layer < (r->picture->wireframe ? 3 : 2); layer++) {
+    int layers = r->picture->wireframe && !uses_triangles(r) ? 3 : 2;
+    for (int layer = 0; layer < layers; layer++) {
         for (uint32_t n = 0; n < r->renderer->desc.model->material_count && result == GIRIH_OK;
              n++) {
             const girih_gltf_material *material = girih_renderer_material(r->renderer, n);
@@ -143,8 +152,10 @@ static girih_result draw_pass(const recording *r, girih_error *error) {
     };
     vkCmdBeginRenderPass(r->commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
     set_viewport(r, 0, renderer->attachments.width);
-    vkCmdBindPipeline(r->commands, VK_PIPELINE_BIND_POINT_GRAPHICS, background);
-    vkCmdDraw(r->commands, 3, 1, 0, 0);
+    if (!picture->transparent) {
+        vkCmdBindPipeline(r->commands, VK_PIPELINE_BIND_POINT_GRAPHICS, background);
+        vkCmdDraw(r->commands, 3, 1, 0, 0);
+    }
     uint32_t slice_count = girih_picture_slice_count(picture->view);
     for (uint32_t n = 0; n < picture->drawing_count && result == GIRIH_OK; n++) {
         const girih_drawing *drawing = &picture->drawings[n];
@@ -169,8 +180,8 @@ girih_result girih_renderer_record(girih_renderer *renderer, VkCommandBuffer com
                                    girih_error *error) {
     const recording r = {renderer, commands, frame, picture};
     for (uint32_t n = 0; n < girih_picture_slice_count(picture->view); n++) {
-        girih_picture_block block =
-            girih_picture_fill(picture, renderer->desc.model, renderer->range_count, n);
+        girih_picture_block block = girih_picture_fill(
+            picture, renderer->desc.model, renderer->range_count, renderer->attachments.height, n);
         memcpy((char *)renderer->picture_blocks.mapped + block_offset(&r, n), &block, sizeof block);
     }
     return draw_pass(&r, error);

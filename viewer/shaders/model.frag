@@ -1,9 +1,10 @@
-// Shading: a key light and a fill light that move with the camera, a sky above and a ground below.
+// Shading: a studio that moves with the camera. HAS_TRIANGLES: triangle.geom comes before.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
 #include "color.glsl"
 #include "picture.glsl"
+#include "studio.glsl"
 
 layout(set = 1, binding = 0) uniform sampler2D base_color_map;
 layout(set = 1, binding = 1) uniform sampler2D normal_map;
@@ -13,47 +14,19 @@ layout(location = 1) in vec3 in_normal;
 layout(location = 2) in vec4 in_texcoord;
 layout(location = 3) in vec4 in_color;
 layout(location = 4) flat in vec3 in_range_color;
+#ifdef HAS_TRIANGLES
+layout(location = 5) in vec3 in_edges;
+layout(location = 6) flat in vec2 in_size;
+#endif
 
 layout(location = 0) out vec4 out_color;
 
-const float PI = 3.14159265;
-
-// Light from all around, by direction.
-vec3 surroundings(vec3 direction, float blur) {
-    vec3 ground = vec3(0.30, 0.29, 0.28);
-    vec3 sky = vec3(0.82, 0.86, 0.92);
-    float height = direction.y * mix(1.6, 1.0, blur);
-    return mix(ground, sky, smoothstep(-1.0, 1.0, height));
-}
-
-// GGX distribution with Smith's visibility, as in Karis 2013, "Real Shading in Unreal Engine 4".
-float specular_lobe(float n_l, float n_v, float n_h, float alpha) {
-    float squared = alpha * alpha;
-    float bottom = n_h * n_h * (squared - 1.0) + 1.0;
-    float visibility = n_l * sqrt(n_v * n_v * (1.0 - squared) + squared) +
-                       n_v * sqrt(n_l * n_l * (1.0 - squared) + squared);
-    return squared / (PI * bottom * bottom) * 0.5 / max(visibility, 1e-4);
-}
-
-vec3 fresnel(vec3 f0, float v_h) {
-    return f0 + (1.0 - f0) * pow(clamp(1.0 - v_h, 0.0, 1.0), 5.0);
-}
-
-// The environment's part of the specular term: Karis's fit for mobile devices (2014).
-vec3 surroundings_specular(vec3 f0, float roughness, float n_v) {
+// How much of its surroundings a surface mirrors: Karis's fit for mobile devices (2014).
+vec3 mirrored_share(vec3 f0, float roughness, float n_v) {
     vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
     float a004 = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
     vec2 scale = vec2(-1.04, 1.04) * a004 + r.zw;
     return f0 * scale.x + scale.y;
-}
-
-vec3 light(vec3 diffuse, vec3 f0, float alpha, vec3 n, vec3 v, vec3 l, float strength) {
-    float n_l = max(dot(n, l), 0.0);
-    float n_v = max(dot(n, v), 1e-3);
-    vec3 h = normalize(l + v);
-    float n_h = max(dot(n, h), 0.0);
-    vec3 specular = fresnel(f0, max(dot(v, h), 0.0)) * specular_lobe(n_l, n_v, n_h, alpha);
-    return (diffuse / PI + specular) * (n_l * strength * PI);
 }
 
 // Khronos PBR neutral tone mapping: colours below 0.8 stay as they are.
@@ -139,6 +112,72 @@ vec3 shading_normal() {
     return n;
 }
 
+// Along the studio's axes.
+vec3 in_studio(vec3 direction) {
+    return vec3(dot(direction, picture.studio_right.xyz), dot(direction, picture.studio_up.xyz),
+                dot(direction, picture.studio_back.xyz));
+}
+
+// By the triangle's area in pixels, on a scale of powers of four. Without triangle.geom there is none.
+vec3 density_color() {
+#ifdef HAS_TRIANGLES
+    float place = clamp(0.5 * log2(max(in_size.x, 1e-6)) + 1.0, 0.0, 6.0);
+    int first = min(int(place), 5);
+    return mix(picture.density_colors[first].rgb, picture.density_colors[first + 1].rgb, place - float(first));
+#else
+    return vec3(0.0);
+#endif
+}
+
+const vec3 line_color = vec3(0.07, 0.09, 0.13); // sRGB
+
+// The farther, the fainter.
+float line_strength(float depth) {
+    return mix(0.92, 0.30, depth);
+}
+
+// How much of the fragment a line covers.
+float line_cover() {
+#ifdef HAS_TRIANGLES
+    vec3 distances = abs(in_edges) * gl_FragCoord.w;
+    float depth = clamp(dot(picture.depth_cue, vec4(in_position, 1.0)), 0.0, 1.0);
+    float half_width = picture.line_half_width * mix(1.0, 0.6, depth);
+    float nearest = min(min(distances.x, distances.y), distances.z);
+    // Triangles hardly larger than lines are wide would be nothing but lines.
+    float room = clamp(in_size.y / (10.0 * half_width), 0.15, 1.0);
+    return clamp(half_width + 0.5 - nearest, 0.0, 1.0) * room * line_strength(depth);
+#else
+    return 0.0;
+#endif
+}
+
+vec4 surface_color(vec4 base, vec3 n) {
+    float alpha = IS_BLEND ? base.a : 1.0;
+    if (picture.back_face.a > 0.0 && !gl_FrontFacing) {
+        return vec4(from_srgb(picture.back_face.rgb), 1.0);
+    }
+    if (picture.shade == SHADE_NORMALS) {
+        return vec4(from_srgb(n * 0.5 + 0.5), alpha);
+    }
+    if (picture.shade == SHADE_RANGES || picture.shade == SHADE_DENSITY) {
+        // Lit a little, for the shape, so that the colours stay those of the legend.
+        vec3 color = from_srgb(picture.shade == SHADE_RANGES ? in_range_color : density_color());
+        return vec4(color * min(0.55 + 0.45 * studio_diffuse(in_studio(n)), vec3(1.0)), 1.0);
+    }
+    if (material.emissive.w != 0.0) {
+        return vec4(base.rgb, alpha);
+    }
+    vec3 v = normalize(picture.eye.xyz - picture.eye.w * in_position);
+    float roughness = clamp(material.roughness, 0.08, 1.0);
+    vec3 f0 = mix(vec3(0.04), base.rgb, material.metallic);
+    vec3 color = base.rgb * (1.0 - material.metallic) * studio_diffuse(in_studio(n));
+    // Rough surfaces mirror less from the side than the mirrored direction says.
+    vec3 mirrored = in_studio(normalize(mix(reflect(-v, n), n, roughness * roughness)));
+    color += mirrored_share(f0, roughness, max(dot(n, v), 0.0)) * studio_mirrored(mirrored, roughness);
+    color += material.emissive.rgb;
+    return vec4(tone_map(color * picture.exposure), alpha);
+}
+
 void main() {
     vec4 base = material.base_color * in_color;
     if (HAS_BASE_COLOR_MAP) {
@@ -154,41 +193,14 @@ void main() {
     if (IS_CYLINDRICAL && dot(picture.panorama_forward.xyz, in_position - picture.eye.xyz) < 0.0) {
         discard;
     }
-    float alpha = IS_BLEND ? base.a : 1.0;
     if (IS_LINE) {
-        out_color = vec4(from_srgb(vec3(0.07, 0.09, 0.13)), 0.6);
+        float depth = clamp(dot(picture.depth_cue, vec4(in_position, 1.0)), 0.0, 1.0);
+        out_color = vec4(from_srgb(line_color), 0.65 * line_strength(depth));
         return;
     }
-    if (picture.back_face.a > 0.0 && !gl_FrontFacing) {
-        out_color = vec4(from_srgb(picture.back_face.rgb), 1.0);
-        return;
+    out_color = surface_color(base, n);
+    if (picture.line_half_width > 0.0) {
+        float cover = line_cover();
+        out_color = vec4(mix(out_color.rgb, from_srgb(line_color), cover), max(out_color.a, cover));
     }
-    if (picture.shade == SHADE_NORMALS) {
-        out_color = vec4(from_srgb(n * 0.5 + 0.5), alpha);
-        return;
-    }
-    vec3 v = normalize(picture.eye.xyz - picture.eye.w * in_position);
-    vec3 albedo = base.rgb;
-    float metallic = material.metallic;
-    float roughness = material.roughness;
-    if (picture.shade == SHADE_RANGES) {
-        albedo = from_srgb(in_range_color);
-        metallic = 0.0;
-        roughness = 1.0;
-        alpha = 1.0;
-    } else if (material.emissive.w != 0.0) {
-        out_color = vec4(albedo, alpha);
-        return;
-    }
-    float rough = clamp(roughness, 0.2, 1.0);
-    vec3 f0 = mix(vec3(0.04), albedo, metallic);
-    vec3 diffuse = albedo * (1.0 - metallic);
-    vec3 color = light(diffuse, f0, rough * rough, n, v, picture.key_light.xyz, 0.62);
-    color += light(diffuse, f0, rough * rough, n, v, picture.fill_light.xyz, 0.16);
-    color += diffuse * surroundings(n, 1.0) * 0.42;
-    vec3 mirrored = reflect(-v, n);
-    color += surroundings_specular(f0, rough, max(dot(n, v), 0.0)) *
-             surroundings(mix(mirrored, n, rough * rough), rough) * 0.6;
-    color += material.emissive.rgb;
-    out_color = vec4(tone_map(color), alpha);
 }

@@ -5,13 +5,12 @@
 
 const uint SHADE_LIT = 0u;
 const uint SHADE_NORMALS = 1u;
-const uint SHADE_RANGES = 2u; // a colour per range of the catalogue: levels or patterns
+const uint SHADE_RANGES = 2u;  // a colour per range of the catalogue: levels or patterns
+const uint SHADE_DENSITY = 3u; // a colour per area on the screen
 
 layout(std140, set = 0, binding = 0) uniform Picture {
     mat4 view_projection;
     vec4 eye;       // w = 1: the eye; w = 0: the direction towards the viewer
-    vec4 key_light; // unit vector towards it
-    vec4 fill_light;
     vec4 back_face; // a > 0: the colour of back faces, sRGB
     uint shade;
     uint first_range_color; // of the colours that shade asks for
@@ -20,6 +19,14 @@ layout(std140, set = 0, binding = 0) uniform Picture {
     uint texcoord_float;  // instanced: where the texture coordinates begin in a vertex's attributes
     uint texcoord_floats; // 2; 4 where a normal map has coordinates of its own, behind the others
     uint color_float;     // instanced: where the vertex colour begins
+    vec2 half_pixels;      // half the drawing's, or slice's, width and height
+    float line_half_width; // of the wireframe, pixels; 0: there is none
+    float exposure;        // that light is multiplied by
+    vec4 depth_cue;        // dot with (position, 1): 0 at the model's nearest point to 1 at its farthest
+    vec4 studio_right;     // studio.glsl's axes
+    vec4 studio_up;
+    vec4 studio_back;
+    vec4 density_colors[7]; // sRGB: a pixel's quarter, then four times as much each
     // IS_CYLINDRICAL: GirihPanorama of the slice
     vec4 panorama_forward; // w: half_angle
     vec4 panorama_right;
