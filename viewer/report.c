@@ -1,28 +1,46 @@
 #include "report.h"
 
 #include <inttypes.h>
+#include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
 static int progress_shown;
 
-int girih_report_failure(const char *file, const char *what) {
+const char *girih_report_style(FILE *stream, girih_style style) {
+    static const char *const codes[] = {"\033[0m", "\033[1m", "\033[32m", "\033[33m", "\033[1;31m"};
+    const char *refused = getenv("NO_COLOR");
+    const char *terminal = getenv("TERM");
+    bool has_styles = isatty(fileno(stream)) && (refused == NULL || refused[0] == '\0') &&
+                      terminal != NULL && strcmp(terminal, "dumb") != 0;
+    return has_styles ? codes[style] : "";
+}
+
+// "girih:" and, where it is not NULL, "FILE:".
+static void begin_message(girih_style style, const char *file) {
     girih_report_progress(NULL);
+    fprintf(stderr, "%sgirih:%s ", girih_report_style(stderr, style),
+            girih_report_style(stderr, GIRIH_STYLE_PLAIN));
+    if (file != NULL) {
+        fprintf(stderr, "%s: ", file);
+    }
+}
+
+int girih_report_failure(const char *file, const char *what) {
     // Messages about reading and writing begin with the file already.
     size_t length = file != NULL ? strlen(file) : 0;
-    if (file != NULL && (strncmp(what, file, length) != 0 || what[length] != ':')) {
-        fprintf(stderr, "girih: %s: %s\n", file, what);
-    } else {
-        fprintf(stderr, "girih: %s\n", what);
-    }
+    bool is_named = file != NULL && strncmp(what, file, length) == 0 && what[length] == ':';
+    begin_message(GIRIH_STYLE_FAILURE, is_named ? NULL : file);
+    fprintf(stderr, "%s\n", what);
     return GIRIH_EXIT_FAILED;
 }
 
 void girih_report_warning(const char *file, const char *what) {
-    girih_report_progress(NULL);
-    fprintf(stderr, "girih: %s: warning: %s\n", file, what);
+    begin_message(GIRIH_STYLE_WARNING, file);
+    fprintf(stderr, "warning: %s\n", what);
 }
 
 void girih_report_gltf_warning(void *user, const char *line) {

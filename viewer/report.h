@@ -3,10 +3,23 @@
 #define GIRIH_VIEWER_REPORT_H
 
 #include <jansson.h>
+#include <stdio.h>
 
 #include "girih/plan.h"
 
 enum { GIRIH_EXIT_DONE = 0, GIRIH_EXIT_FAILED = 1, GIRIH_EXIT_WRONG_USE = 2 };
+
+// How words stand out. Only on a terminal, and not where the environment has NO_COLOR.
+typedef enum girih_style {
+    GIRIH_STYLE_PLAIN, // ends the others
+    GIRIH_STYLE_LABEL,
+    GIRIH_STYLE_GOOD,
+    GIRIH_STYLE_WARNING,
+    GIRIH_STYLE_FAILURE,
+} girih_style;
+
+// What to print on the stream to begin a style; "" where it has none.
+const char *girih_report_style(FILE *stream, girih_style style);
 
 // Prints "girih: FILE: what" on standard error and returns GIRIH_EXIT_FAILED. file may be NULL.
 int girih_report_failure(const char *file, const char *what);
