@@ -11,7 +11,9 @@
 #include "report.h"
 
 typedef struct check_options {
-    const char *model, *from;
+    const char **models; // [model_count]
+    uint32_t model_count;
+    const char *from;
     girih_level_options levels;
     girih_surface_options surface;
     girih_camera_options camera;
@@ -36,17 +38,30 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         state->child_inputs[1] = &options->surface;
         state->child_inputs[2] = &options->camera;
         return 0;
-    case KEY_FROM: options->from = argument; return 0;
-    case KEY_JSON: options->json = true; return 0;
-    case ARGP_KEY_ARG: girih_option_model(state, &options->model, argument); return 0;
-    case ARGP_KEY_NO_ARGS: argp_error(state, "no MODEL"); return 0;
+    case KEY_FROM:
+        options->from = argument;
+        return 0;
+    case KEY_JSON:
+        options->json = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        girih_option_models(state, &options->models, &options->model_count, argument);
+        return 0;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "no MODEL");
+        return 0;
     case ARGP_KEY_END:
+        if (options->from != NULL && options->model_count > 1) {
+            argp_error(state, "--from is what one MODEL was refined from, and there are %u",
+                       options->model_count);
+        }
         if (options->from == NULL && options->levels.given != NULL) {
             argp_error(state, "--%s says how FILE of --from was refined, and there is no --from",
                        options->levels.given);
         }
         return 0;
-    default: return ARGP_ERR_UNKNOWN;
+    default:
+        return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -58,8 +73,9 @@ static const struct argp_child children[] = {{&girih_level_argp, 0, NULL, 1},
 static const struct argp check_argp = {
     own_options,
     parse,
-    "MODEL",
-    "Counts, for each mesh and by the exact bits of the positions, open edges (one triangle), "
+    "MODEL...",
+    "Counts, for each mesh of each MODEL and by the exact bits of the positions, open edges (one "
+    "triangle), "
     "non-manifold edges "
     "(three or more), flipped edges (two triangles that run along them the same way) and "
     "degenerate triangles (two "
@@ -68,6 +84,7 @@ static const struct argp check_argp = {
     "refining FILE must give."
     "\vExamples:\n"
     "  girih check spot.glb\n"
+    "  girih check models/*.glb\n"
     "  girih refine spot.glb --segments random:7:16 -o fine.glb\n"
     "  girih check fine.glb --from spot.glb --segments random:7:16 --json\n",
     children,
@@ -83,6 +100,7 @@ typedef struct row {
 
 typedef struct session {
     const check_options *options;
+    const char *model;
     girih_gltf_model *file;
     girih_model from;
     girih_catalogue_source catalogue;
@@ -102,10 +120,9 @@ static uint64_t triangle_count(const girih_gltf_mesh *mesh) {
 static girih_result audit_file(session *s, girih_error *error) {
     char message[sizeof error->message];
     char name[4096];
-    snprintf(name, sizeof name, "%s", s->options->model);
+    snprintf(name, sizeof name, "%s", s->model);
     girih_report_progress("loading");
-    s->file = girih_gltf_load(s->options->model, girih_report_gltf_warning, name, message,
-                              sizeof message);
+    s->file = girih_gltf_load(s->model, girih_report_gltf_warning, name, message, sizeof message);
     if (s->file == NULL) {
         return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "%s", message);
     }
@@ -157,7 +174,7 @@ static girih_result expect_from(session *s, girih_error *error) {
         return girih_fail(
             error, GIRIH_ERROR_INVALID_DATA,
             "%u meshes with triangles, where %s has %u: it is not the model this was refined from",
-            instance_count, options->model, s->row_count);
+            instance_count, s->model, s->row_count);
     }
     girih_expected *expected = calloc((size_t)s->from.mesh_count + 1, sizeof *expected);
     if (expected == NULL) {
@@ -211,7 +228,8 @@ static json_t *row_json(const row *r, bool with_expected) {
     return json;
 }
 
-static int print_json(const session *s, bool as_expected) {
+// A file's object; NULL where memory ran out.
+static json_t *file_json(const session *s, bool as_expected) {
     bool with_expected = s->options->from != NULL;
     json_t *root = row_json(&s->rows[s->row_count], with_expected);
     json_t *meshes = json_array();
@@ -222,44 +240,51 @@ static int print_json(const session *s, bool as_expected) {
     if (with_expected) {
         json_object_set_new(root, "as_expected", json_boolean(as_expected));
     }
-    return girih_report_print(root);
+    if (s->options->model_count > 1) {
+        json_object_set_new(root, "file", json_string(s->model));
+    }
+    return root;
 }
 
-static void print_row(const char *name, const row *r, bool with_expected) {
+static void print_row(const session *s, const char *name, const row *r) {
+    if (s->options->model_count > 1) {
+        printf("%s: ", s->model);
+    }
     printf("%s: %" PRIu64 " triangles, open %" PRIu64 ", non-manifold %" PRIu64 ", flipped %" PRIu64
            ", degenerate %" PRIu64,
            name, r->audit.triangles, r->audit.open, r->audit.nonmanifold, r->audit.flipped,
            r->audit.degenerate);
-    if (with_expected) {
-        if (is_as_expected(r)) {
+    if (s->options->from != NULL) {
+        bool is_good = is_as_expected(r);
+        fputs(girih_report_style(stdout, is_good ? GIRIH_STYLE_GOOD : GIRIH_STYLE_FAILURE), stdout);
+        if (is_good) {
             fputs(": as expected", stdout);
         } else {
             printf(": EXPECTED open %" PRIu64 ", non-manifold %" PRIu64 ", flipped %" PRIu64,
                    r->expected.open, r->expected.nonmanifold, r->expected.flipped);
         }
+        fputs(girih_report_style(stdout, GIRIH_STYLE_PLAIN), stdout);
     }
     putchar('\n');
 }
 
 static void print_text(const session *s) {
-    bool with_expected = s->options->from != NULL;
     for (uint32_t n = 0; n < s->row_count; n++) {
-        print_row(s->rows[n].name, &s->rows[n], with_expected);
+        print_row(s, s->rows[n].name, &s->rows[n]);
     }
     if (s->row_count > 1) {
-        print_row("all", &s->rows[s->row_count], with_expected);
+        print_row(s, "all", &s->rows[s->row_count]);
     }
 }
 
-int girih_command_check(int argc, char **argv) {
-    check_options options = {0};
-    girih_options_parse(&check_argp, argc, argv, &options);
-    session s = {.options = &options};
+// Checks one file; what --json prints goes into *json. Returns an exit code.
+static int check_file(const check_options *options, const char *model, json_t **json) {
+    session s = {.options = options, .model = model};
     girih_error error = {.result = GIRIH_OK};
-    const char *file = options.model;
+    const char *file = model;
     girih_result result = audit_file(&s, &error);
-    if (result == GIRIH_OK && options.from != NULL) {
-        file = options.from;
+    if (result == GIRIH_OK && options->from != NULL) {
+        file = options->from;
         result = expect_from(&s, &error);
     }
     int code = GIRIH_EXIT_DONE;
@@ -268,11 +293,11 @@ int girih_command_check(int argc, char **argv) {
     } else {
         bool as_expected = true;
         add_sums(&s);
-        for (uint32_t n = 0; n < s.row_count && options.from != NULL; n++) {
+        for (uint32_t n = 0; n < s.row_count && options->from != NULL; n++) {
             as_expected &= is_as_expected(&s.rows[n]);
         }
-        if (options.json) {
-            code = print_json(&s, as_expected);
+        if (options->json) {
+            *json = file_json(&s, as_expected);
         } else {
             print_text(&s);
         }
@@ -283,5 +308,33 @@ int girih_command_check(int argc, char **argv) {
     girih_model_free(&s.from);
     girih_catalogue_source_free(&s.catalogue);
     girih_gltf_destroy(s.file);
+    return code;
+}
+
+int girih_command_check(int argc, char **argv) {
+    check_options options = {0};
+    girih_options_parse(&check_argp, argc, argv, &options);
+    int code = GIRIH_EXIT_DONE;
+    json_t *files = json_array();
+    for (uint32_t n = 0; n < options.model_count; n++) {
+        json_t *json = NULL;
+        girih_report_file(n, options.model_count);
+        if (check_file(&options, options.models[n], &json) != GIRIH_EXIT_DONE) {
+            code = GIRIH_EXIT_FAILED;
+        }
+        if (json != NULL) {
+            json_array_append_new(files, json);
+        }
+    }
+    // A single file that cannot be read has no object, several have those of the others.
+    if (options.json && (options.model_count > 1 || json_array_size(files) == 1)) {
+        json_t *root = options.model_count > 1 ? json_pack("{s:O}", "files", files)
+                                               : json_incref(json_array_get(files, 0));
+        if (girih_report_print(root) != GIRIH_EXIT_DONE) {
+            code = GIRIH_EXIT_FAILED;
+        }
+    }
+    json_decref(files);
+    free(options.models);
     return code;
 }

@@ -1,10 +1,12 @@
 // girih: renders, refines and checks glTF models.
 // Exit status: 0 done, 1 failed on this input, 2 wrong use.
 #include <argp.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "commands.h"
+#include "girih/version.h"
 #include "report.h"
 
 static const struct command {
@@ -35,8 +37,18 @@ static void print_usage(FILE *stream) {
           "  girih render model.glb -o picture.png\n"
           "  girih refine model.glb --segments 4 -o fine.glb\n"
           "  girih check fine.glb --from model.glb --segments 4\n\n"
-          "girih COMMAND --help tells a command's options.\n",
+          "girih COMMAND --help, or girih help COMMAND, tells a command's options.\n",
           stream);
+}
+
+static const struct command *find_command(const char *name) {
+    for (size_t n = 0; n < sizeof commands / sizeof commands[0]; n++) {
+        if (strcmp(name, commands[n].name) == 0 ||
+            (commands[n].alias != NULL && strcmp(name, commands[n].alias) == 0)) {
+            return &commands[n];
+        }
+    }
+    return NULL;
 }
 
 int main(int argc, char **argv) {
@@ -45,18 +57,25 @@ int main(int argc, char **argv) {
         print_usage(stderr);
         return GIRIH_EXIT_WRONG_USE;
     }
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-?") == 0 ||
-        strcmp(argv[1], "help") == 0) {
+    if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "-V") == 0) {
+        printf("girih %d.%d.%d\n", GIRIH_VERSION_MAJOR, GIRIH_VERSION_MINOR, GIRIH_VERSION_PATCH);
+        return GIRIH_EXIT_DONE;
+    }
+    bool asks_for_help = strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-?") == 0 ||
+                         strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0;
+    if (asks_for_help && argc == 2) {
         print_usage(stdout);
         return GIRIH_EXIT_DONE;
     }
-    for (size_t n = 0; n < sizeof commands / sizeof commands[0]; n++) {
-        if (strcmp(argv[1], commands[n].name) == 0 ||
-            (commands[n].alias != NULL && strcmp(argv[1], commands[n].alias) == 0)) {
-            argv[1] = commands[n].program;
-            return commands[n].run(argc - 1, argv + 1);
-        }
+    const char *name = argv[asks_for_help ? 2 : 1];
+    const struct command *command = find_command(name);
+    if (command == NULL) {
+        fprintf(stderr, "girih: no command '%s'; girih --help lists them\n", name);
+        return GIRIH_EXIT_WRONG_USE;
     }
-    fprintf(stderr, "girih: no command '%s'; girih --help lists them\n", argv[1]);
-    return GIRIH_EXIT_WRONG_USE;
+    if (asks_for_help) {
+        return command->run(2, (char *[]){command->program, (char[]){"--help"}, NULL});
+    }
+    argv[1] = command->program;
+    return command->run(argc - 1, argv + 1);
 }

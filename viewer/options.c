@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "report.h"
+
 enum {
     KEY_SEGMENTS = GIRIH_KEY_SHARED,
     KEY_MAX_SEGMENTS,
@@ -107,6 +109,17 @@ void girih_option_model(struct argp_state *state, const char **model, const char
         argp_error(state, "one MODEL only, '%s' is too many", text);
     }
     *model = text;
+}
+
+void girih_option_models(struct argp_state *state, const char ***models, uint32_t *model_count,
+                         const char *text) {
+    const char **grown = realloc(*models, (*model_count + 1) * sizeof **models);
+    if (grown == NULL) {
+        argp_failure(state, GIRIH_EXIT_FAILED, 0, "out of memory");
+        return;
+    }
+    *models = grown;
+    grown[(*model_count)++] = text;
 }
 
 void girih_option_surface_on_cpu(struct argp_state *state, const girih_surface_options *surface,
@@ -248,14 +261,18 @@ static error_t parse_surface(int key, char *argument, struct argp_state *state) 
                                            .crease_degrees = 60.0f,
                                            .catalogue = "dyadic"};
         return 0;
-    case KEY_SURFACE: read_surface(state, argument, options); return 0;
+    case KEY_SURFACE:
+        read_surface(state, argument, options);
+        return 0;
     case KEY_BASE:
         if (!read_built_in(argument, &options->base)) {
             argp_error(state, "--base: '%s' is neither flat nor pn", argument);
         }
         options->has_base = true;
         return 0;
-    case KEY_DISPLACE: options->height_map = argument; return 0;
+    case KEY_DISPLACE:
+        options->height_map = argument;
+        return 0;
     case KEY_HEIGHT:
         options->height = girih_option_number(state, "height", argument);
         options->has_height = true;
@@ -270,9 +287,14 @@ static error_t parse_surface(int key, char *argument, struct argp_state *state) 
             argp_error(state, "--crease: '%s' is not from 0 to 180", argument);
         }
         return 0;
-    case KEY_CATALOGUE: options->catalogue = argument; return 0;
-    case ARGP_KEY_END: finish_surface(state, options); return 0;
-    default: return ARGP_ERR_UNKNOWN;
+    case KEY_CATALOGUE:
+        options->catalogue = argument;
+        return 0;
+    case ARGP_KEY_END:
+        finish_surface(state, options);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -284,7 +306,8 @@ static const struct argp_option surface_options[] = {
      2},
     {"base", KEY_BASE, "flat|pn", 0, "What the function of --surface FILE.glsl stands on (pn)", 2},
     {"displace", KEY_DISPLACE, "MAP", 0,
-     "Move the surface along its normal by a height map (PNG or OpenEXR), laid on by TEXCOORD_0, or "
+     "Move the surface along its normal by a height map (PNG or OpenEXR), laid on by TEXCOORD_0, "
+     "or "
      "along the axes where a model has none",
      2},
     {"height", KEY_HEIGHT, "H", 0, "Mesh units that 1 in the map is high; a PNG has 0 to 1", 2},
@@ -340,8 +363,8 @@ static error_t parse_camera(int key, char *argument, struct argp_state *state) {
     girih_camera_options *options = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        *options = (girih_camera_options){
-            .view_up = {0.0f, 1.0f, 0.0f}, .width = 1000, .height = 600};
+        *options =
+            (girih_camera_options){.view_up = {0.0f, 1.0f, 0.0f}, .width = 1000, .height = 600};
         return 0;
     case KEY_PROJECTION:
         options->cylindrical = strcmp(argument, "cylinder") == 0;
@@ -373,9 +396,14 @@ static error_t parse_camera(int key, char *argument, struct argp_state *state) {
         options->index = girih_option_count(state, "camera-index", argument, 0, UINT32_MAX);
         options->has_index = true;
         return 0;
-    case KEY_RESOLUTION: read_resolution(state, argument, options); return 0;
-    case ARGP_KEY_END: check_camera(state, options); return 0;
-    default: return ARGP_ERR_UNKNOWN;
+    case KEY_RESOLUTION:
+        read_resolution(state, argument, options);
+        return 0;
+    case ARGP_KEY_END:
+        check_camera(state, options);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -409,10 +437,17 @@ static error_t parse_device(int key, char *argument, struct argp_state *state) {
                                               validation != NULL && strcmp(validation, "1") == 0};
         return 0;
     }
-    case KEY_DEVICE: options->name = argument; return 0;
-    case KEY_CPU: options->cpu = true; return 0;
-    case KEY_VALIDATION: options->validation = true; return 0;
-    default: return ARGP_ERR_UNKNOWN;
+    case KEY_DEVICE:
+        options->name = argument;
+        return 0;
+    case KEY_CPU:
+        options->cpu = true;
+        return 0;
+    case KEY_VALIDATION:
+        options->validation = true;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
     }
 }
 

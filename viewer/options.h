@@ -81,6 +81,10 @@ void girih_option_surface_on_cpu(struct argp_state *state, const girih_surface_o
 // Takes MODEL at ARGP_KEY_ARG: one and no more.
 void girih_option_model(struct argp_state *state, const char **model, const char *text);
 
+// Takes one of several MODELs; *models is the caller's to free, its names are argv's.
+void girih_option_models(struct argp_state *state, const char ***models, uint32_t *model_count,
+                         const char *text);
+
 // Runs a subcommand's parser over its own arguments, argv[0] being "girih NAME".
 void girih_options_parse(const struct argp *argp, int argc, char **argv, void *input);
 

@@ -8,7 +8,11 @@
 #include <time.h>
 #include <unistd.h>
 
-static int progress_shown;
+static bool progress_shown;
+static const char *progress_what; // whose parts are counted, NULL: none
+static double progress_begin, progress_next;
+static uint32_t file_number, file_count;
+static double files_begin;
 
 const char *girih_report_style(FILE *stream, girih_style style) {
     static const char *const codes[] = {"\033[0m", "\033[1m", "\033[32m", "\033[33m", "\033[1;31m"};
@@ -47,19 +51,69 @@ void girih_report_gltf_warning(void *user, const char *line) {
     girih_report_warning(user, line);
 }
 
+// "5 s left", or nothing as long as too little is done to tell.
+static void print_time_left(double begin, uint64_t done, uint64_t all) {
+    double seconds = girih_seconds() - begin;
+    if (done == 0 || all == 0 || seconds < 1.0) {
+        return;
+    }
+    double left = seconds * (double)(all - done) / (double)done;
+    if (left < 90.0) {
+        fprintf(stderr, ", %.0f s left", left);
+    } else {
+        fprintf(stderr, ", %.0f min left", left / 60.0);
+    }
+}
+
+static bool begin_progress(void) {
+    if (!isatty(STDERR_FILENO)) {
+        return false;
+    }
+    fputs("\r\033[K", stderr);
+    progress_shown = true;
+    if (file_count > 1) {
+        fprintf(stderr, "file %u of %u", file_number + 1, file_count);
+        print_time_left(files_begin, file_number, file_count);
+        fputs(": ", stderr);
+    }
+    return true;
+}
+
 void girih_report_progress(const char *what) {
     if (what == NULL) {
         if (progress_shown) {
             fputs("\r\033[K", stderr);
-            progress_shown = 0;
+            progress_shown = false;
         }
-        return;
-    }
-    if (isatty(STDERR_FILENO)) {
-        fprintf(stderr, "\r\033[K%s ...", what);
+    } else if (begin_progress()) {
+        fprintf(stderr, "%s ...", what);
         fflush(stderr);
-        progress_shown = 1;
     }
+    progress_what = NULL;
+}
+
+void girih_report_progress_of(const char *what, uint64_t done, uint64_t all) {
+    double now = girih_seconds();
+    if (what != progress_what) {
+        progress_what = what;
+        progress_begin = now;
+        progress_next = 0.0;
+    }
+    // A terminal shows no more than some lines a second.
+    if (now >= progress_next && begin_progress()) {
+        progress_next = now + 0.1;
+        fprintf(stderr, "%s, %.0f %%", what, 100.0 * (double)done / (double)(all != 0 ? all : 1));
+        print_time_left(progress_begin, done, all);
+        fflush(stderr);
+    }
+}
+
+void girih_report_file(uint32_t number, uint32_t count) {
+    if (number == 0) {
+        files_begin = girih_seconds();
+    }
+    file_number = number;
+    file_count = count;
 }
 
 const girih_stage_times girih_no_times = {-1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0};

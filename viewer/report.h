@@ -33,6 +33,14 @@ void girih_report_gltf_warning(void *user, const char *line);
 // Shows what is being done, where standard error is a terminal; NULL clears the line.
 void girih_report_progress(const char *what);
 
+// The same with how much of it is done, and how long the rest will take at that speed. Parts may be
+// anything that takes about equally long.
+void girih_report_progress_of(const char *what, uint64_t done, uint64_t all);
+
+// Of several files, says in front of what is being done which one it is, from 0. Time left is
+// that of all files then.
+void girih_report_file(uint32_t number, uint32_t count);
+
 // Milliseconds of the stages. Negative: not measured.
 typedef struct girih_stage_times {
     double levels, select, group, dispatch, evaluate, draw;
