@@ -156,7 +156,7 @@ static girih_result expect_from(session *s, girih_error *error) {
         girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
     if (result == GIRIH_OK) {
         result = girih_model_load(&s->from, options->from, GIRIH_MODEL_TOPOLOGY, &options->surface,
-                                  error);
+                                  NULL, error);
     }
     if (result == GIRIH_OK) {
         result = girih_model_instances(&s->from, false, &s->instances, &instance_count, error);

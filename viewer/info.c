@@ -445,7 +445,7 @@ int girih_command_info(int argc, char **argv) {
     girih_model model;
     girih_surface_options surface = {.surface = GIRIH_SURFACE_PN, .crease_degrees = 60.0f};
     girih_error error = {.result = GIRIH_OK};
-    if (girih_model_load(&model, options.model, GIRIH_MODEL_TOPOLOGY, &surface, &error) !=
+    if (girih_model_load(&model, options.model, GIRIH_MODEL_TOPOLOGY, &surface, NULL, &error) !=
         GIRIH_OK) {
         return girih_report_failure(options.model, error.message);
     }

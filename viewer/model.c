@@ -451,8 +451,57 @@ static girih_result prepare_meshes(girih_model *model, const girih_surface_optio
     return GIRIH_OK;
 }
 
+// --- Poses ---
+
+static girih_result find_animation(const girih_gltf_contents *file,
+                                   const girih_pose_options *options,
+                                   const girih_gltf_animation **animation, girih_error *error) {
+    if (file->animation_count == 0) {
+        return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
+                          "has no animations; leave --time and --animation out");
+    }
+    if (options->animation == NULL) {
+        *animation = &file->animations[0];
+        return GIRIH_OK;
+    }
+    *animation = girih_pose_find_animation(file, options->animation);
+    if (*animation != NULL) {
+        return GIRIH_OK;
+    }
+    char list[256] = "";
+    size_t length = 0;
+    for (uint32_t n = 0; n < file->animation_count && length < sizeof list; n++) {
+        length += (size_t)snprintf(list + length, sizeof list - length, "%s%u '%s'",
+                                   n > 0 ? ", " : "", n, file->animations[n].name);
+    }
+    return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "has no animation '%s'; it has %s%s",
+                      options->animation, list, length < sizeof list ? "" : "...");
+}
+
+static girih_result pose_model(girih_model *model, const girih_pose_options *options,
+                               girih_error *error) {
+    const girih_gltf_contents *file = model->contents;
+    const girih_gltf_animation *animation = NULL;
+    bool is_moment = options != NULL && (options->has_time || options->animation != NULL);
+    if (is_moment) {
+        girih_result result = find_animation(file, options, &animation, error);
+        if (result != GIRIH_OK) {
+            return result;
+        }
+    }
+    if (!girih_pose_create(&model->pose, file)) {
+        return no_memory(error);
+    }
+    if (is_moment) {
+        girih_pose_set(&model->pose, animation, (double)options->time);
+    }
+    model->contents = &model->pose.contents;
+    return girih_pose_deform(&model->pose) ? GIRIH_OK : no_memory(error);
+}
+
 girih_result girih_model_load(girih_model *model, const char *path, girih_model_purpose purpose,
-                              const girih_surface_options *surface, girih_error *error) {
+                              const girih_surface_options *surface, const girih_pose_options *pose,
+                              girih_error *error) {
     *model = (girih_model){.purpose = purpose,
                            .texcoord_float = GIRIH_MODEL_NONE,
                            .color_float = GIRIH_MODEL_NONE,
@@ -469,6 +518,7 @@ girih_result girih_model_load(girih_model *model, const char *path, girih_model_
     girih_report_progress("preparing meshes");
     girih_result result = GIRIH_OK;
     if (purpose == GIRIH_MODEL_DRAW) {
+        result = pose_model(model, pose, error);
         lay_out_drawing(model, surface->height_map != NULL);
     } else if (purpose == GIRIH_MODEL_REFINE) {
         result = lay_out_all(model, error);
@@ -512,6 +562,7 @@ void girih_model_free(girih_model *model) {
     free(model->attributes);
     free(model->materials);
     free(model->first_material);
+    girih_pose_free(&model->pose);
     girih_gltf_destroy(model->file);
     *model = (girih_model){0};
 }

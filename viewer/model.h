@@ -5,6 +5,7 @@
 #include "gltf.h"
 #include "girih/plan.h"
 #include "options.h"
+#include "pose.h"
 
 // What the meshes are prepared for.
 typedef enum girih_model_purpose {
@@ -24,7 +25,8 @@ typedef struct girih_model_attribute {
 
 typedef struct girih_model {
     girih_gltf_model *file;
-    const girih_gltf_contents *contents;
+    const girih_gltf_contents *contents; // DRAW: the pose's, which has meshes of its own
+    girih_pose pose;                     // DRAW
     girih_model_purpose purpose;
 
     uint32_t mesh_count;
@@ -46,10 +48,13 @@ typedef struct girih_model {
     float reach; // how far its surface may stray from the points, in the world: for cameras
 } girih_model;
 
-// Loads a file and prepares its meshes; warnings go to standard error. A file without triangles is
-// refused, except for TOPOLOGY. On failure *model is empty, on success girih_model_free takes it.
+// Loads a file and prepares its meshes, for DRAW in a pose; NULL, or options that name none: the
+// one that the file's nodes have by themselves. Warnings go to standard error. A file without
+// triangles is refused, except for TOPOLOGY, and so is a pose of an animation that it does not
+// have. On failure *model is empty, on success girih_model_free takes it.
 girih_result girih_model_load(girih_model *model, const char *path, girih_model_purpose purpose,
-                              const girih_surface_options *surface, girih_error *error);
+                              const girih_surface_options *surface, const girih_pose_options *pose,
+                              girih_error *error);
 
 // A primitive's attribute of this name, or NULL.
 const girih_gltf_attribute *girih_model_find_attribute(const girih_gltf_primitive *primitive,

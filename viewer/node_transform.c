@@ -1,5 +1,6 @@
 #include "node_transform.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -43,4 +44,16 @@ void girih_matrix_product(const double a[12], const double b[12], double product
             product[4 * row + column] = sum;
         }
     }
+}
+
+void girih_matrix_round(const double from[12], float to[12]) {
+    for (int n = 0; n < 12; n++) {
+        to[n] = (float)fmin(fmax(from[n], -(double)FLT_MAX), (double)FLT_MAX);
+    }
+}
+
+double girih_matrix_determinant(const double matrix[12]) {
+    const double *a = matrix, *b = matrix + 4, *c = matrix + 8;
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
 }

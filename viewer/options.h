@@ -37,6 +37,13 @@ typedef struct girih_camera_options {
     uint32_t width, height;
 } girih_camera_options;
 
+// Which moment of which animation.
+typedef struct girih_pose_options {
+    bool has_time;
+    float time;            // seconds
+    const char *animation; // number or name, NULL: the first
+} girih_pose_options;
+
 typedef struct girih_device_options {
     const char *name; // part of the device's name; NULL: the best there is
     bool cpu;

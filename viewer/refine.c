@@ -469,7 +469,7 @@ static girih_result make_model(session *s, girih_error *error) {
         girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
     if (result == GIRIH_OK) {
         result = girih_model_load(&s->model, options->model, GIRIH_MODEL_REFINE, &options->surface,
-                                  error);
+                                  NULL, error);
     }
     if (result == GIRIH_OK) {
         warn_of_losses(s);

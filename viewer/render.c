@@ -22,6 +22,7 @@ typedef struct render_options {
     bool wireframe, beside_input, json;
     bool has_back_face_color;
     float back_face_color[3];
+    girih_pose_options pose;
 } render_options;
 
 // --- Options ---
@@ -32,6 +33,8 @@ enum {
     KEY_WIREFRAME,
     KEY_BACKFACE_COLOR,
     KEY_BESIDE_INPUT,
+    KEY_TIME,
+    KEY_ANIMATION,
     KEY_JSON
 };
 
@@ -50,6 +53,10 @@ static const struct argp_option own_options[] = {
      0},
     {"beside-input", KEY_BESIDE_INPUT, NULL, 0,
      "Left half: the model as it is; right half: refined", 0},
+    {"time", KEY_TIME, "T", 0,
+     "Draw the model as it is T seconds into an animation; the last pose behind its end", 0},
+    {"animation", KEY_ANIMATION, "N|NAME", 0,
+     "The animation of --time, by its number or name (0); without --time its beginning", 0},
     {"json", KEY_JSON, NULL, 0, "Print one JSON object with counts and times", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
@@ -107,6 +114,13 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         options->has_back_face_color = true;
         return 0;
     case KEY_BESIDE_INPUT: options->beside_input = true; return 0;
+    case KEY_TIME:
+        options->pose.time = girih_option_number(state, "time", argument);
+        options->pose.has_time = true;
+        return 0;
+    case KEY_ANIMATION:
+        options->pose.animation = argument;
+        return 0;
     case KEY_JSON: options->json = true; return 0;
     case ARGP_KEY_ARG: girih_option_model(state, &options->model, argument); return 0;
     case ARGP_KEY_NO_ARGS: argp_error(state, "no MODEL"); return 0;
@@ -125,7 +139,8 @@ static const struct argp render_argp = {
     "  girih render teapot.glb --beside-input --resolution 1600,700 -o both.png\n"
     "  girih render teapot.glb --segments random:7:16 --wireframe -o lines.png\n"
     "  girih render city.gltf --camera-index 0 --edge-pixels 4 --json -o city.png\n"
-    "  girih render model.glb --backface-color 1,0,1 -o cracks.png\n",
+    "  girih render model.glb --backface-color 1,0,1 -o cracks.png\n"
+    "  girih render fox.glb --animation Run --time 0.5 -o running.png\n",
     girih_option_children,
     NULL,
     NULL};
@@ -406,8 +421,8 @@ static girih_result make_picture(session *s, girih_error *error) {
     girih_result result =
         girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
     if (result == GIRIH_OK) {
-        result =
-            girih_model_load(&s->model, options->model, GIRIH_MODEL_DRAW, &options->surface, error);
+        result = girih_model_load(&s->model, options->model, GIRIH_MODEL_DRAW, &options->surface,
+                                  &options->pose, error);
     }
     if (result == GIRIH_OK) {
         result = girih_model_instances(&s->model, true, &s->instances, &s->instance_count, error);
