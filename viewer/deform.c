@@ -103,17 +103,6 @@ void girih_deformer_free(girih_deformer *deformer) {
 
 // --- Morph targets ---
 
-static void copy_vertices(const girih_vertices *from, const girih_vertices *to, uint32_t count) {
-    for (size_t v = 0; v < count; v++) {
-        memmove(to->positions + v * to->stride, from->positions + v * from->stride,
-                3 * sizeof(float));
-        if (to->normals != NULL) {
-            memmove(to->normals + v * to->stride, from->normals + v * from->stride,
-                    3 * sizeof(float));
-        }
-    }
-}
-
 static void add_deltas(float *to, const float *deltas, float weight) {
     for (int c = 0; c < 3; c++) {
         to[c] += weight * deltas[c];
@@ -121,16 +110,16 @@ static void add_deltas(float *to, const float *deltas, float weight) {
 }
 
 static void add_target(const girih_deformer *deformer, uint32_t target, float weight,
-                       const girih_vertices *to) {
-    for (uint32_t v = 0; v < deformer->vertex_count; v++) {
+                       float *positions, float *normals) {
+    for (size_t v = 0; v < deformer->vertex_count; v++) {
         const girih_gltf_morph_target *from =
             &deformer->mesh->primitives[deformer->primitives[v]].targets[target];
         size_t vertex = 3 * (size_t)deformer->vertices[v];
         if (from->positions != NULL) {
-            add_deltas(to->positions + v * to->stride, from->positions + vertex, weight);
+            add_deltas(positions + 3 * v, from->positions + vertex, weight);
         }
-        if (from->normals != NULL && to->normals != NULL) {
-            add_deltas(to->normals + v * to->stride, from->normals + vertex, weight);
+        if (from->normals != NULL) {
+            add_deltas(normals + 3 * v, from->normals + vertex, weight);
         }
     }
 }
@@ -194,41 +183,44 @@ static void turn_normal(const float m[12], float normal[3]) {
 }
 
 static void apply_skin(const girih_deformer *deformer, float (*matrices)[12], uint32_t joint_count,
-                       const girih_vertices *to) {
-    for (uint32_t v = 0; v < deformer->vertex_count; v++) {
+                       float *positions, float *normals) {
+    for (size_t v = 0; v < deformer->vertex_count; v++) {
         float blend[12] = {0};
+        uint32_t first = deformer->first_influences[v];
         uint32_t end = deformer->first_influences[v + 1];
-        for (uint32_t i = deformer->first_influences[v]; i < end; i++) {
+        for (uint32_t i = first; i < end; i++) {
             const float *matrix = matrices[deformer->joints[i]];
             for (int n = 0; n < 12; n++) {
                 blend[n] += deformer->weights[i] * matrix[n];
             }
         }
-        const float *matrix = end > deformer->first_influences[v] ? blend : matrices[joint_count];
-        move_point(matrix, to->positions + v * to->stride);
-        if (to->normals != NULL) {
-            turn_normal(matrix, to->normals + v * to->stride);
-        }
+        const float *matrix = end > first ? blend : matrices[joint_count];
+        move_point(matrix, positions + 3 * v);
+        turn_normal(matrix, normals + 3 * v);
     }
 }
 
 bool girih_deform(const girih_deformer *deformer, const girih_pose *pose, uint32_t node,
-                  const girih_vertices *from, const girih_vertices *to) {
-    copy_vertices(from, to, deformer->vertex_count);
+                  const float *from_positions, const float *from_normals, float *positions,
+                  float *normals) {
+    size_t size = (size_t)deformer->vertex_count * 3 * sizeof(float);
+    memmove(positions, from_positions, size);
+    memmove(normals, from_normals, size);
     for (uint32_t t = 0; t < deformer->mesh->target_count; t++) {
-        double weight = pose->weights[pose->first_weights[node] + t];
-        if (weight != 0.0) {
-            add_target(deformer, t, (float)weight, to);
+        float weight = (float)pose->weights[pose->first_weights[node] + t];
+        if (weight != 0.0f) {
+            add_target(deformer, t, weight, positions, normals);
         }
     }
-    if (pose->file->nodes[node].skin < 0) {
+    int32_t skin = pose->file->nodes[node].skin;
+    if (skin < 0) {
         return true;
     }
     float(*matrices)[12] = skin_matrices(pose, node);
     if (matrices == NULL) {
         return false;
     }
-    apply_skin(deformer, matrices, pose->file->skins[pose->file->nodes[node].skin].joint_count, to);
+    apply_skin(deformer, matrices, pose->file->skins[skin].joint_count, positions, normals);
     free(matrices);
     return true;
 }

@@ -28,18 +28,12 @@ bool girih_deformer_create(girih_deformer *deformer, const girih_gltf_mesh *mesh
 
 void girih_deformer_free(girih_deformer *deformer); // takes {0}
 
-// Positions and normals of a deformer's vertices.
-typedef struct girih_vertices {
-    float *positions;
-    float *normals; // or NULL
-    size_t stride;  // floats from one vertex to the next
-} girih_vertices;
-
-// Deforms vertices as a node of the pose does that has the deformer's mesh, into the space of that
-// node's placement in the pose. `to` may be `from`. Where there is a skin normals become unit
-// vectors, or 0 where none can be told. Coordinates may be infinite, or no numbers, where the
-// file's are large. False: out of memory.
+// Deforms vertices, 3 floats each, as a node of the pose does that has the deformer's mesh, into
+// the space of that node's placement in the pose. The results may go where the vertices are. Where
+// there is a skin normals become unit vectors, or 0 where none can be told. Coordinates may be
+// infinite, or no numbers, where the file's are large. False: out of memory.
 bool girih_deform(const girih_deformer *deformer, const girih_pose *pose, uint32_t node,
-                  const girih_vertices *from, const girih_vertices *to);
+                  const float *from_positions, const float *from_normals, float *positions,
+                  float *normals);
 
 #endif

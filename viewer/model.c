@@ -304,6 +304,7 @@ static girih_result create_mesh(const girih_model *model, const girih_joined *jo
         .submesh_count = joined->submesh_count,
         .missing_normals = GIRIH_NORMALS_SMOOTH,
         .crease_degrees = surface->crease_degrees,
+        .dynamic = model->is_dynamic,
     };
     if (surface->surface == GIRIH_SURFACE_FLAT) {
         if (model->purpose == GIRIH_MODEL_DRAW) {
@@ -316,12 +317,45 @@ static girih_result create_mesh(const girih_model *model, const girih_joined *jo
     return girih_mesh_create(&desc, mesh, error);
 }
 
+// Which vertex of the glTF mesh each vertex of a mixed one is of: `made` stands behind the
+// primitives that it was made of.
+static uint32_t *find_mixed_sources(const girih_gltf_mesh *source, const bool *lacks,
+                                    const girih_mesh *made, const girih_mesh *mesh) {
+    uint32_t vertices = 0;
+    uint32_t lacking = 0;
+    for (uint32_t n = 0; n < source->primitive_count; n++) {
+        vertices += source->primitives[n].vertex_count;
+        lacking += lacks[n] ? source->primitives[n].vertex_count : 0;
+    }
+    uint32_t *origins = malloc(((size_t)lacking + 1) * sizeof *origins);
+    uint32_t *sources = malloc(((size_t)mesh->vertex_count + 1) * sizeof *sources);
+    if (origins == NULL || sources == NULL) {
+        free(origins);
+        free(sources);
+        return NULL;
+    }
+    uint32_t *next = origins;
+    uint32_t first = 0;
+    for (uint32_t n = 0; n < source->primitive_count; n++) {
+        for (uint32_t v = 0; lacks[n] && v < source->primitives[n].vertex_count; v++) {
+            *next++ = first + v;
+        }
+        first += source->primitives[n].vertex_count;
+    }
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        uint32_t from = mesh->vertex_source[v];
+        sources[v] = from < vertices ? from : origins[made->vertex_source[from - vertices]];
+    }
+    free(origins);
+    return sources;
+}
+
 // A mesh with normals in some primitives and none in others: those without are prepared by
 // themselves first, and what comes out, vertices split at creases included, goes in among the
-// others.
+// others. *sources is the caller's to free.
 static girih_result create_mixed_mesh(const girih_model *model, uint32_t number, const bool *lacks,
                                       const girih_surface_options *surface, const girih_mesh **mesh,
-                                      girih_error *error) {
+                                      uint32_t **sources, girih_error *error) {
     const girih_gltf_mesh *source = &model->contents->meshes[number];
     girih_joined without = {0};
     girih_joined all = {0};
@@ -384,6 +418,13 @@ static girih_result create_mixed_mesh(const girih_model *model, uint32_t number,
         all.vertex_count += made->vertex_count;
         result = create_mesh(model, &all, source->name, surface, mesh, error);
     }
+    if (result == GIRIH_OK) {
+        *sources = find_mixed_sources(source, lacks, made, *mesh);
+        if (*sources == NULL) {
+            girih_mesh_destroy(*mesh);
+            result = no_memory(error);
+        }
+    }
     girih_mesh_destroy(made);
     free_joined(&without);
     free_joined(&all);
@@ -392,7 +433,7 @@ static girih_result create_mixed_mesh(const girih_model *model, uint32_t number,
 
 static girih_result prepare_mesh(const girih_model *model, uint32_t number,
                                  const girih_surface_options *surface, const girih_mesh **mesh,
-                                 girih_error *error) {
+                                 uint32_t **sources, girih_error *error) {
     const girih_gltf_mesh *source = &model->contents->meshes[number];
     bool *lacks = calloc((size_t)source->primitive_count + 1, sizeof *lacks);
     if (lacks == NULL) {
@@ -405,7 +446,7 @@ static girih_result prepare_mesh(const girih_model *model, uint32_t number,
     }
     girih_result result;
     if (lacking != 0 && lacking != source->primitive_count) {
-        result = create_mixed_mesh(model, number, lacks, surface, mesh, error);
+        result = create_mixed_mesh(model, number, lacks, surface, mesh, sources, error);
     } else {
         girih_joined joined = {0};
         result = join(&joined, model, number, NULL, lacking == 0, error);
@@ -425,7 +466,9 @@ static girih_result prepare_meshes(girih_model *model, const girih_surface_optio
     model->meshes = calloc(room, sizeof *model->meshes);
     model->mesh_source = calloc(room, sizeof *model->mesh_source);
     model->mesh_number = calloc(room, sizeof *model->mesh_number);
-    if (model->meshes == NULL || model->mesh_source == NULL || model->mesh_number == NULL) {
+    model->moving = model->is_dynamic ? calloc(room, sizeof *model->moving) : NULL;
+    if (model->meshes == NULL || model->mesh_source == NULL || model->mesh_number == NULL ||
+        (model->is_dynamic && model->moving == NULL)) {
         return no_memory(error);
     }
     for (uint32_t m = 0; m < contents->mesh_count; m++) {
@@ -437,66 +480,27 @@ static girih_result prepare_meshes(girih_model *model, const girih_surface_optio
         if (indices == 0) {
             continue;
         }
+        uint32_t number = model->mesh_count;
+        uint32_t *sources = NULL;
         girih_result result =
-            prepare_mesh(model, m, surface, &model->meshes[model->mesh_count], error);
+            prepare_mesh(model, m, surface, &model->meshes[number], &sources, error);
+        if (result == GIRIH_OK) {
+            model->mesh_source[number] = m;
+            model->mesh_number[m] = number;
+            model->mesh_count++;
+            if (model->is_dynamic) {
+                result = girih_model_begin_moving(model, number, sources, error);
+            }
+        }
+        free(sources);
         if (result != GIRIH_OK) {
             return result;
         }
-        model->mesh_source[model->mesh_count] = m;
-        model->mesh_number[m] = model->mesh_count++;
     }
     if (model->mesh_count == 0 && model->purpose != GIRIH_MODEL_TOPOLOGY) {
         return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "no triangles");
     }
     return GIRIH_OK;
-}
-
-// --- Poses ---
-
-static girih_result find_animation(const girih_gltf_contents *file,
-                                   const girih_pose_options *options,
-                                   const girih_gltf_animation **animation, girih_error *error) {
-    if (file->animation_count == 0) {
-        return girih_fail(error, GIRIH_ERROR_INVALID_DATA,
-                          "has no animations; leave --time and --animation out");
-    }
-    if (options->animation == NULL) {
-        *animation = &file->animations[0];
-        return GIRIH_OK;
-    }
-    *animation = girih_pose_find_animation(file, options->animation);
-    if (*animation != NULL) {
-        return GIRIH_OK;
-    }
-    char list[256] = "";
-    size_t length = 0;
-    for (uint32_t n = 0; n < file->animation_count && length < sizeof list; n++) {
-        length += (size_t)snprintf(list + length, sizeof list - length, "%s%u '%s'",
-                                   n > 0 ? ", " : "", n, file->animations[n].name);
-    }
-    return girih_fail(error, GIRIH_ERROR_INVALID_DATA, "has no animation '%s'; it has %s%s",
-                      options->animation, list, length < sizeof list ? "" : "...");
-}
-
-static girih_result pose_model(girih_model *model, const girih_pose_options *options,
-                               girih_error *error) {
-    const girih_gltf_contents *file = model->contents;
-    const girih_gltf_animation *animation = NULL;
-    bool is_moment = options != NULL && (options->has_time || options->animation != NULL);
-    if (is_moment) {
-        girih_result result = find_animation(file, options, &animation, error);
-        if (result != GIRIH_OK) {
-            return result;
-        }
-    }
-    if (!girih_pose_create(&model->pose, file)) {
-        return no_memory(error);
-    }
-    if (is_moment) {
-        girih_pose_set(&model->pose, animation, (double)options->time);
-    }
-    model->contents = &model->pose.contents;
-    return girih_pose_deform(&model->pose) ? GIRIH_OK : no_memory(error);
 }
 
 girih_result girih_model_load(girih_model *model, const char *path, girih_model_purpose purpose,
@@ -518,7 +522,7 @@ girih_result girih_model_load(girih_model *model, const char *path, girih_model_
     girih_report_progress("preparing meshes");
     girih_result result = GIRIH_OK;
     if (purpose == GIRIH_MODEL_DRAW) {
-        result = pose_model(model, pose, error);
+        result = girih_model_pose(model, pose, error);
         lay_out_drawing(model, surface->height_map != NULL);
     } else if (purpose == GIRIH_MODEL_REFINE) {
         result = lay_out_all(model, error);
@@ -547,7 +551,14 @@ uint32_t girih_model_height_float(const girih_model *model) {
 
 void girih_model_free_meshes(girih_model *model) {
     for (uint32_t n = 0; n < model->mesh_count; n++) {
-        girih_mesh_destroy(model->meshes[n]);
+        if (girih_model_is_deformed(model, n)) {
+            girih_mesh_destroy(model->moving[n].prepared);
+            girih_deformer_free(&model->moving[n].deformer);
+            free(model->moving[n].vertices);
+            model->moving[n] = (girih_moving_mesh){0};
+        } else {
+            girih_mesh_destroy(model->meshes[n]);
+        }
         model->meshes[n] = NULL;
     }
 }
@@ -557,12 +568,16 @@ void girih_model_free(girih_model *model) {
         girih_model_free_meshes(model);
     }
     free(model->meshes);
+    free(model->moving);
     free(model->mesh_source);
     free(model->mesh_number);
     free(model->attributes);
     free(model->materials);
     free(model->first_material);
-    girih_pose_free(&model->pose);
+    if (model->pose != NULL) {
+        girih_pose_free(model->pose);
+        free(model->pose);
+    }
     girih_gltf_destroy(model->file);
     *model = (girih_model){0};
 }

@@ -2,6 +2,7 @@
 #ifndef GIRIH_VIEWER_MODEL_H
 #define GIRIH_VIEWER_MODEL_H
 
+#include "deform.h"
 #include "gltf.h"
 #include "girih/plan.h"
 #include "options.h"
@@ -21,16 +22,27 @@ typedef struct girih_model_attribute {
     uint32_t first;      // float it begins at in a vertex's attributes
 } girih_model_attribute;
 
+// A mesh that is deformed again and again: prepared once, as it is in the file; what it is at the
+// moment has the same topology, and positions, normals and bounds of its own.
+typedef struct girih_moving_mesh {
+    const girih_mesh *prepared; // NULL: not deformed, and there is nothing else
+    girih_deformer deformer;
+    girih_mesh now;
+    float *vertices; // now's positions and normals
+} girih_moving_mesh;
+
 #define GIRIH_MODEL_NONE UINT32_MAX
 
 typedef struct girih_model {
     girih_gltf_model *file;
     const girih_gltf_contents *contents; // DRAW: the pose's, which has meshes of its own
-    girih_pose pose;                     // DRAW
+    girih_pose *pose;                    // DRAW
     girih_model_purpose purpose;
 
     uint32_t mesh_count;
     const girih_mesh **meshes; // [mesh_count]
+    bool is_dynamic;           // they are, and some are deformed: girih_model_move
+    girih_moving_mesh *moving; // [mesh_count], where they are
     uint32_t *mesh_source;     // [mesh_count] the glTF mesh
     uint32_t *mesh_number;     // [contents->mesh_count] index into meshes, or GIRIH_MODEL_NONE
 
@@ -56,6 +68,18 @@ girih_result girih_model_load(girih_model *model, const char *path, girih_model_
                               const girih_surface_options *surface, const girih_pose_options *pose,
                               girih_error *error);
 
+// Moves a model that was loaded to be moved to a moment of an animation of its contents, NULL: to
+// where its nodes are by themselves. Meshes, placements and cameras are changed in place;
+// girih_model_instances tells where the meshes are then. Fails where it moves a mesh too far.
+girih_result girih_model_move(girih_model *model, const girih_gltf_animation *animation,
+                              double seconds, girih_error *error);
+
+// Whether a move changes the vertices of a mesh.
+bool girih_model_is_deformed(const girih_model *model, uint32_t mesh);
+
+// A mesh's vertices as girih_scene_vertices has them: 6 floats each.
+void girih_model_vertices(const girih_model *model, uint32_t mesh, float *vertices);
+
 // A primitive's attribute of this name, or NULL.
 const girih_gltf_attribute *girih_model_find_attribute(const girih_gltf_primitive *primitive,
                                                        const char *name);
@@ -68,6 +92,14 @@ uint32_t girih_model_height_float(const girih_model *model);
 void girih_model_free_meshes(girih_model *model);
 
 void girih_model_free(girih_model *model);
+
+// For girih_model_load, which poses a model before its meshes are prepared, and begins to move each
+// when it is. sources[vertex] is the vertex of the glTF mesh that a vertex is of, its primitives'
+// being counted one after another; NULL: they are what it was prepared from.
+girih_result girih_model_pose(girih_model *model, const girih_pose_options *options,
+                              girih_error *error);
+girih_result girih_model_begin_moving(girih_model *model, uint32_t mesh, const uint32_t *sources,
+                                      girih_error *error);
 
 // The instances of the file's placements; of every mesh once, untransformed, where placed is false.
 // Meshes whose triangles all have two corners at one point have none; where no other mesh is there,

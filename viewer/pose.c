@@ -255,25 +255,26 @@ static bool deform_mesh(girih_pose *pose, uint32_t number) {
     }
     free(pose->vertices[number]);
     pose->vertices[number] = vertices;
-    const girih_vertices all = {vertices, vertices + 3 * count, 3};
+    float *positions = vertices;
+    float *normals = vertices + 3 * count;
     girih_gltf_primitive *primitives = pose->primitives + (mesh->primitives - pose->primitives);
     size_t first = 0;
     for (uint32_t p = 0; p < source->primitive_count; p++) {
         const girih_gltf_primitive *from = &source->primitives[p];
         size_t size = (size_t)from->vertex_count * 3 * sizeof(float);
-        primitives[p].positions = all.positions + 3 * first;
-        memcpy(all.positions + 3 * first, from->positions, size);
+        primitives[p].positions = positions + 3 * first;
+        memcpy(positions + 3 * first, from->positions, size);
         if (from->normals != NULL) {
-            primitives[p].normals = all.normals + 3 * first;
-            memcpy(all.normals + 3 * first, from->normals, size);
+            primitives[p].normals = normals + 3 * first;
+            memcpy(normals + 3 * first, from->normals, size);
         } else {
-            memset(all.normals + 3 * first, 0, size);
+            memset(normals + 3 * first, 0, size);
         }
         first += from->vertex_count;
     }
     girih_deformer deformer;
     bool is_done = girih_deformer_create(&deformer, source, NULL, (uint32_t)count) &&
-                   girih_deform(&deformer, pose, node, &all, &all);
+                   girih_deform(&deformer, pose, node, positions, normals, positions, normals);
     girih_deformer_free(&deformer);
     return is_done;
 }
