@@ -421,6 +421,11 @@ girih_statistics girih_plan_statistics(const girih_plan *plan) {
     return girih_read_status(&plan->arrays.frame, plan->buffers[GIRIH_PLAN_STATUS].mapped);
 }
 
+int girih_plan_uses_pattern(const girih_plan *plan, uint32_t rank) {
+    const uint32_t *status = plan->buffers[GIRIH_PLAN_STATUS].mapped;
+    return rank < plan->arrays.frame.pattern_count && status[GIRIH_STATUS_WORDS + rank] != 0;
+}
+
 girih_plan_buffers girih_plan_get_buffers(const girih_plan *plan) {
     const bool instanced = plan->mode == GIRIH_MODE_INSTANCED;
     const girih_buffer *buffers = plan->buffers;

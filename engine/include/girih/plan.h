@@ -306,6 +306,10 @@ typedef struct girih_statistics {
 } girih_statistics;
 GIRIH_API girih_statistics girih_plan_statistics(const girih_plan *plan);
 
+// Whether the last executed girih_cmd_refine used the base pattern of a rank of the context's
+// catalogue: girih_statistics.base_patterns of them are in use. 0 for ranks that there are not.
+GIRIH_API int girih_plan_uses_pattern(const girih_plan *plan, uint32_t rank);
+
 // The buffers a plan writes. Vertex n of the output is 3 floats at positions + 12 n, and its normal
 // and attributes (and previous position) are floats at attributes + attribute_stride n. Buffers
 // that the mode or outputs do not ask for are VK_NULL_HANDLE.
