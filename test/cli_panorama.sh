@@ -66,11 +66,11 @@ done
 picture file.png "$assets/blend.glb" --camera-index 0 --camera-view-angle 160 --resolution 200,100
 
 # Corners of the room lie where their angles and slopes put them.
-picture normals.png room.gltf "${size[@]}" "${eye[@]}" "${ahead[@]}" --surface flat --shade normals --edge-pixels 2
+picture normals.png room.gltf "${size[@]}" "${eye[@]}" "${ahead[@]}" --surface flat --shade normals --no-legend --edge-pixels 2
 holds corners normals.png 0.1 0.2 0.1
 
 # --- It closes, and turning the camera by 90 degrees moves the picture by a quarter of its width ---
-for model in 'room.gltf --surface flat --wireframe' 'room.gltf --surface flat --shade normals' 'ring.glb --shade normals'; do
+for model in 'room.gltf --surface flat --wireframe' 'room.gltf --surface flat --shade normals --no-legend' 'ring.glb --shade normals --no-legend'; do
     # shellcheck disable=SC2086 # several words
     picture first.png $model "${size[@]}" "${eye[@]}" "${ahead[@]}"
     holds closed first.png

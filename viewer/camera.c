@@ -504,6 +504,59 @@ girih_result girih_camera_create(girih_camera *camera, const girih_camera_option
     return result;
 }
 
+// Around a unit axis, by Rodrigues' formula.
+static void turn(const double axis[3], double angle, const double v[3], double turned[3]) {
+    double sideways[3];
+    cross(axis, v, sideways);
+    double along = dot(axis, v) * (1.0 - cos(angle));
+    for (int n = 0; n < 3; n++) {
+        turned[n] = v[n] * cos(angle) + sideways[n] * sin(angle) + axis[n] * along;
+    }
+}
+
+girih_result girih_camera_turntable(const girih_camera_options *options, const girih_model *model,
+                                    const girih_instance *instances, uint32_t instance_count,
+                                    uint32_t width, uint32_t height, uint32_t count,
+                                    girih_camera_options *turned, girih_error *error) {
+    girih_camera first;
+    girih_result result = girih_camera_create(&first, options, model, instances, instance_count,
+                                              width, height, error);
+    if (result != GIRIH_OK) {
+        return result;
+    }
+    const points set = {model, instances, instance_count};
+    double low[3], high[3], focal_point[3], axis[3], away[3];
+    girih_model_box(model, instances, instance_count, low, high);
+    double distance = 0.0;
+    for (int n = 0; n < 3; n++) {
+        float middle = (float)((low[n] + high[n]) / 2.0);
+        focal_point[n] = (double)(options->has_focal_point ? options->focal_point[n] : middle);
+        axis[n] = options->view_up[n];
+        away[n] = options->has_position ? first.eye[n] - focal_point[n] : first.back[n];
+    }
+    normalize(axis);
+    for (uint32_t k = 0; k < count && !options->has_position; k++) {
+        girih_camera c = first;
+        turn(axis, 2.0 * pi * k / count, first.back, c.back);
+        complete_basis(&c, options->view_up);
+        frame_points(&c, &set, (double)width / (double)height, focal_point);
+        distance = fmax(distance, dot(c.eye, c.back) - dot(focal_point, c.back));
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        double offset[3];
+        turn(axis, 2.0 * pi * k / count, away, offset);
+        turned[k] = *options;
+        turned[k].has_position = true;
+        turned[k].has_focal_point = true;
+        for (int n = 0; n < 3; n++) {
+            double far = options->has_position ? 1.0 : distance;
+            turned[k].position[n] = (float)(focal_point[n] + far * offset[n]);
+            turned[k].focal_point[n] = (float)focal_point[n];
+        }
+    }
+    return GIRIH_OK;
+}
+
 girih_result girih_view_from_camera(girih_view *view, const girih_camera *camera, uint32_t width,
                                     uint32_t height, girih_error *error) {
     *view = (girih_view){0};

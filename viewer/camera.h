@@ -43,6 +43,15 @@ girih_result girih_camera_create(girih_camera *camera, const girih_camera_option
                                  uint32_t instance_count, uint32_t width, uint32_t height,
                                  girih_error *error);
 
+// The cameras of a turntable: `count` options that stand around the upward axis through the focal
+// point, equally far apart, anticlockwise seen from above, the first where `options` stand. Without
+// a position they are as near as shows all of the model in every picture. Not for panoramas, nor
+// for cameras of the file.
+girih_result girih_camera_turntable(const girih_camera_options *options, const girih_model *model,
+                                    const girih_instance *instances, uint32_t instance_count,
+                                    uint32_t width, uint32_t height, uint32_t count,
+                                    girih_camera_options *turned, girih_error *error);
+
 // Turns right and up to where the camera's back points to, up being as near to view_up as can be.
 void girih_camera_level(girih_camera *camera, const double view_up[3]);
 

@@ -157,8 +157,12 @@ static void read_random(struct argp_state *state, const char *text, girih_level_
 static error_t parse_level(int key, char *argument, struct argp_state *state) {
     girih_level_options *options = state->input;
     if (key == ARGP_KEY_INIT) {
-        *options = (girih_level_options){
-            .rule = GIRIH_LEVEL_EDGE_PIXELS, .length = 8.0f, .max_segments = GIRIH_BARYCENTRIC_ONE};
+        if (!options->is_filled) {
+            *options = (girih_level_options){.is_filled = true,
+                                             .rule = GIRIH_LEVEL_EDGE_PIXELS,
+                                             .length = 8.0f,
+                                             .max_segments = GIRIH_BARYCENTRIC_ONE};
+        }
         return 0;
     }
     if (key == KEY_MAX_SEGMENTS) {
@@ -244,7 +248,8 @@ static void finish_surface(struct argp_state *state, girih_surface_options *opti
         argp_error(state, "--%s: there is no --displace",
                    options->has_height ? "height" : "height-zero");
     }
-    if (options->file == NULL) {
+    // Filled before, it may be an own one already.
+    if (options->file == NULL && options->surface != GIRIH_SURFACE_OWN) {
         options->base = options->surface;
     }
     if (options->file != NULL || options->height_map != NULL) {
@@ -256,10 +261,13 @@ static error_t parse_surface(int key, char *argument, struct argp_state *state) 
     girih_surface_options *options = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        *options = (girih_surface_options){.surface = GIRIH_SURFACE_PN,
-                                           .base = GIRIH_SURFACE_PN,
-                                           .crease_degrees = 60.0f,
-                                           .catalogue = "dyadic"};
+        if (!options->is_filled) {
+            *options = (girih_surface_options){.is_filled = true,
+                                               .surface = GIRIH_SURFACE_PN,
+                                               .base = GIRIH_SURFACE_PN,
+                                               .crease_degrees = 60.0f,
+                                               .catalogue = "dyadic"};
+        }
         return 0;
     case KEY_SURFACE:
         read_surface(state, argument, options);

@@ -10,6 +10,7 @@
 
 // How fine.
 typedef struct girih_level_options {
+    bool is_filled;    // options are read over what is there already, not over the defaults
     const char *given; // the option that was given, NULL: none, and the fields hold the default
     girih_level_rule rule;
     uint32_t segments, seed;
@@ -18,6 +19,7 @@ typedef struct girih_level_options {
 } girih_level_options;
 
 typedef struct girih_surface_options {
+    bool is_filled;        // see girih_level_options
     girih_surface surface; // OWN where any of the user's is in it: a file, a height map, or both
     girih_surface base;    // what an own one stands on
     const char *file;      // GLSL that defines it, NULL: none
@@ -59,7 +61,8 @@ typedef enum girih_mode_option {
     GIRIH_MODE_OPTION_WELDED,
 } girih_mode_option;
 
-// Children for a subcommand's argp. Each sets its structure's defaults at ARGP_KEY_INIT.
+// Children for a subcommand's argp. Each sets its structure's defaults at ARGP_KEY_INIT, levels and
+// surface only where the structure is not filled yet.
 extern const struct argp girih_level_argp;
 extern const struct argp girih_surface_argp;
 extern const struct argp girih_camera_argp;

@@ -10,11 +10,15 @@
 
 // Lengths are pixels before a panel is made smaller.
 typedef struct layout {
-    double letter;        // size of the letters
-    double line, pattern; // heights of a line without and with a pattern
-    double margin;        // between the panel's border and what is in it, and around the panel
-    double swatch;        // width of a field of colour, 0: there is none
-    double text_x;        // where text begins
+    double letter; // size of the letters
+    double line;   // height of a line, and of one with a pattern
+    double pattern;
+    double margin;       // between the panel's border and what is in it, and around the panel
+    double swatch;       // width of a field of colour, 0: there is none
+    double text_x;       // where text begins behind a field
+    double column;       // width of a column
+    uint32_t head, rows; // lines before the columns, and lines in each of them
+    uint32_t column_count;
     double width, height;
 } layout;
 
@@ -22,18 +26,28 @@ static double line_height(const girih_overlay_text *text, const layout *l, uint3
     return text->lines[n].pattern != NULL ? l->pattern : l->line;
 }
 
-// Upper border of a line; of the one after the last, the lower border of that.
-static double line_top(const girih_overlay_text *text, const layout *l, uint32_t n) {
-    double y = l->margin;
+// The upper left corner of a line.
+static void find_line(const girih_overlay_text *text, const layout *l, uint32_t n, double *x,
+                      double *y) {
+    bool is_head = n < l->head;
+    uint32_t column = is_head ? 0 : (n - l->head) / l->rows;
+    *x = l->margin + l->column * column;
+    *y = l->margin;
     for (uint32_t k = 0; k < n; k++) {
-        y += line_height(text, l, k);
+        bool is_above = k < l->head || (k - l->head) / l->rows == column;
+        *y += is_above ? line_height(text, l, k) : 0.0;
     }
-    return y;
 }
 
 static void choose_font(cairo_t *cairo, double size) {
     cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(cairo, size);
+}
+
+static double text_width(cairo_t *cairo, const girih_overlay_line *line) {
+    cairo_text_extents_t extents;
+    cairo_text_extents(cairo, line->text, &extents);
+    return extents.x_advance;
 }
 
 static layout lay_out(cairo_t *cairo, const girih_overlay_text *text) {
@@ -42,19 +56,30 @@ static layout lay_out(cairo_t *cairo, const girih_overlay_text *text) {
     l.margin = round(0.6 * l.letter);
     l.line = round(1.4 * l.letter);
     l.pattern = round(2.9 * l.letter);
-    double widest = 0.0;
-    for (uint32_t n = 0; n < text->line_count; n++) {
-        const girih_overlay_line *line = &text->lines[n];
-        cairo_text_extents_t extents;
-        cairo_text_extents(cairo, line->text, &extents);
-        widest = fmax(widest, extents.x_advance);
-        if (line->has_swatch) {
-            l.swatch = fmax(l.swatch, round((line->pattern != NULL ? 3.2 : 1.7) * l.letter));
-        }
+    while (l.head < text->line_count && !text->lines[l.head].has_swatch) {
+        l.width = fmax(l.width, text_width(cairo, &text->lines[l.head++]));
     }
-    l.text_x = l.margin + (l.swatch > 0.0 ? l.swatch + round(0.6 * l.letter) : 0.0);
-    l.width = ceil(l.text_x + widest + l.margin);
-    l.height = line_top(text, &l, text->line_count) + l.margin;
+    uint32_t body = text->line_count - l.head;
+    double widest = 0.0;
+    double body_line = l.line;
+    for (uint32_t n = l.head; n < text->line_count; n++) {
+        const girih_overlay_line *line = &text->lines[n];
+        widest = fmax(widest, text_width(cairo, line));
+        l.swatch = fmax(l.swatch, round((line->pattern != NULL ? 3.2 : 1.7) * l.letter));
+        body_line = fmax(body_line, line_height(text, &l, n));
+    }
+    l.text_x = l.swatch + round(0.6 * l.letter);
+    l.column = ceil(l.text_x + widest + l.letter);
+    // As many columns as keep it in three quarters of the area's height.
+    double room = 0.75 * (double)text->area.height - 2.0 * l.margin - l.line * l.head;
+    uint32_t most = (uint32_t)fmax(1.0, floor(room / body_line));
+    l.column_count = text->is_scale || body <= most ? 1 : (body + most - 1) / most;
+    l.rows = body == 0 ? 1 : (body + l.column_count - 1) / l.column_count;
+    if (body != 0) {
+        l.width = fmax(l.width, l.column * l.column_count - l.letter);
+    }
+    l.width = ceil(l.width + 2.0 * l.margin);
+    l.height = 2.0 * l.margin + l.line * l.head + (body == 0 ? 0.0 : body_line * l.rows);
     return l;
 }
 
@@ -93,48 +118,44 @@ static void draw_pattern(cairo_t *cairo, const girih_catalogue *catalogue,
     cairo_stroke(cairo);
 }
 
-static void draw_swatch(cairo_t *cairo, const girih_overlay_text *text, const layout *l,
-                        uint32_t n) {
+static void draw_swatch(cairo_t *cairo, const girih_overlay_text *text, const layout *l, uint32_t n,
+                        double x, double y) {
     const girih_overlay_line *line = &text->lines[n];
-    double y = line_top(text, l, n);
     if (line->pattern != NULL) {
-        draw_pattern(cairo, text->catalogue, line, l->margin, y + 0.06 * l->pattern, l->swatch,
+        draw_pattern(cairo, text->catalogue, line, x, y + 0.06 * l->pattern, l->swatch,
                      0.88 * l->pattern);
         return;
     }
     double gap = round(0.12 * l->line);
-    cairo_rectangle(cairo, l->margin, y + gap, l->swatch, l->line - 2.0 * gap);
+    cairo_rectangle(cairo, x, y + gap, l->swatch, l->line - 2.0 * gap);
     cairo_set_source_rgb(cairo, (double)line->color[0], (double)line->color[1],
                          (double)line->color[2]);
     cairo_fill(cairo);
 }
 
-// A bar from the middle of the first swatch's line to that of the last one's, with a mark at each.
+// A bar from the middle of the first line with a field to that of the last one, with a mark at
+// each.
 static void draw_scale(cairo_t *cairo, const girih_overlay_text *text, const layout *l) {
-    uint32_t first = 0;
-    while (first < text->line_count && !text->lines[first].has_swatch) {
-        first++;
-    }
-    if (text->line_count - first < 2) {
+    if (l->rows < 2) {
         return;
     }
-    double top = line_top(text, l, first) + 0.5 * l->line;
-    double bottom = line_top(text, l, text->line_count) - 0.5 * l->line;
+    double x = l->margin;
+    double top = l->margin + l->line * (l->head + 0.5);
+    double bottom = top + l->line * (l->rows - 1);
     cairo_pattern_t *bar = cairo_pattern_create_linear(0.0, top, 0.0, bottom);
-    for (uint32_t n = first; n < text->line_count; n++) {
-        const float *color = text->lines[n].color;
-        cairo_pattern_add_color_stop_rgb(bar, (double)(n - first) / (text->line_count - 1 - first),
-                                         (double)color[0], (double)color[1], (double)color[2]);
+    for (uint32_t n = 0; n < l->rows; n++) {
+        const float *color = text->lines[l->head + n].color;
+        cairo_pattern_add_color_stop_rgb(bar, (double)n / (l->rows - 1), (double)color[0],
+                                         (double)color[1], (double)color[2]);
     }
-    cairo_rectangle(cairo, l->margin, top, l->swatch, bottom - top);
+    cairo_rectangle(cairo, x, top, l->swatch, bottom - top);
     cairo_set_source(cairo, bar);
     cairo_fill(cairo);
     cairo_pattern_destroy(bar);
     cairo_set_source_rgb(cairo, 1.0, 1.0, 1.0);
     cairo_set_line_width(cairo, 1.0);
-    for (uint32_t n = first; n < text->line_count; n++) {
-        double y = floor(line_top(text, l, n) + 0.5 * l->line) + 0.5;
-        cairo_move_to(cairo, l->margin + l->swatch, y);
+    for (uint32_t n = 0; n < l->rows; n++) {
+        cairo_move_to(cairo, x + l->swatch, floor(top + l->line * n) + 0.5);
         cairo_rel_line_to(cairo, 0.3 * l->letter, 0.0);
     }
     cairo_stroke(cairo);
@@ -151,12 +172,14 @@ static void draw_panel(cairo_t *cairo, const girih_overlay_text *text, const lay
     cairo_font_extents(cairo, &font);
     for (uint32_t n = 0; n < text->line_count; n++) {
         const girih_overlay_line *line = &text->lines[n];
+        double x, y;
+        find_line(text, l, n, &x, &y);
         if (line->has_swatch && !text->is_scale) {
-            draw_swatch(cairo, text, l, n);
+            draw_swatch(cairo, text, l, n, x, y);
         }
-        double middle = line_top(text, l, n) + 0.5 * line_height(text, l, n);
+        double middle = y + 0.5 * line_height(text, l, n);
         cairo_set_source_rgb(cairo, 0.96, 0.96, 0.96);
-        cairo_move_to(cairo, line->has_swatch ? l->text_x : l->margin,
+        cairo_move_to(cairo, line->has_swatch ? x + l->text_x : x,
                       round(middle + 0.5 * (font.ascent - font.descent)));
         cairo_show_text(cairo, line->text);
     }

@@ -26,7 +26,8 @@ typedef struct girih_overlay_line {
     const girih_base_pattern *pattern; // NULL, or what the field shows: the pattern in its colour
 } girih_overlay_line;
 
-// One panel: lines below each other on a translucent ground, in a corner of an area.
+// One panel: lines below each other on a translucent ground, in a corner of an area. Those from the
+// first field of colour on are in several columns where one would be too high.
 typedef struct girih_overlay_text {
     const girih_overlay_line *lines;
     uint32_t line_count;

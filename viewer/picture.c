@@ -17,14 +17,14 @@ static void hue_color(float hue, float saturation, float value, float color[4]) 
     color[3] = 1.0f;
 }
 
-static void pattern_color(uint32_t rank, float color[4]) {
+void girih_picture_pattern_color(uint32_t rank, float color[4]) {
     // Steps of the golden ratio keep neighbours in rank far apart in hue.
     float hue = (float)rank * 0.61803399f;
     hue_color(hue - floorf(hue), 0.35f + 0.15f * (float)(rank % 4),
               0.95f - 0.12f * (float)(rank % 3), color);
 }
 
-static void level_color(const girih_catalogue *catalogue, uint32_t level, float color[4]) {
+void girih_picture_level_color(const girih_catalogue *catalogue, uint32_t level, float color[4]) {
     float last = catalogue->level_count > 1 ? (float)(catalogue->level_count - 1) : 1.0f;
     hue_color(0.62f * (1.0f - (float)level / last), 0.7f, 0.95f, color);
 }
@@ -46,8 +46,8 @@ uint32_t girih_picture_range_colors(const girih_catalogue *catalogue, float (*co
     for (uint32_t rank = 0; rank < catalogue->pattern_count; rank++) {
         const uint8_t *levels = girih_catalogue_pattern(catalogue, rank)->levels;
         for (uint32_t n = ranges_of(levels); n > 0; n--, range++) {
-            level_color(catalogue, levels[0], colors[range]);
-            pattern_color(rank, colors[range_count + range]);
+            girih_picture_level_color(catalogue, levels[0], colors[range]);
+            girih_picture_pattern_color(rank, colors[range_count + range]);
         }
     }
     return range_count;

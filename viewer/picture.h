@@ -51,6 +51,10 @@ typedef struct girih_material_block {
     float alpha_cutoff;
 } girih_material_block;
 
+// The colour, sRGB and 1, of a level and of a base pattern.
+void girih_picture_level_color(const girih_catalogue *catalogue, uint32_t level, float color[4]);
+void girih_picture_pattern_color(uint32_t rank, float color[4]);
+
 // Colours by range: those by level, then those by pattern, range_count of each. colors may be NULL.
 // Returns range_count.
 uint32_t girih_picture_range_colors(const girih_catalogue *catalogue, float (*colors)[4]);
