@@ -4,8 +4,10 @@
 
 #include "error.h"
 
-// Room that is tried first: most pictures fit, and what does not says how much it needs.
 enum { FIRST_OUTPUTS = 1 << 20, FIRST_SPLITS = 1 << 16 };
+
+const girih_refinement_room girih_refinement_first_room = {
+    .triangles = FIRST_OUTPUTS, .vertices = FIRST_OUTPUTS, .splits = FIRST_SPLITS};
 
 girih_result girih_refinement_scene(girih_device *device, girih_context *context,
                                     const girih_mesh *const *meshes, uint32_t mesh_count,
@@ -35,21 +37,14 @@ static uint64_t larger(uint64_t a, uint64_t b) {
     return a > b ? a : b;
 }
 
-// Split triangles cannot be welded as they are refined.
-static girih_mode split_mode(girih_mode mode) {
+girih_mode girih_refinement_split_mode(girih_mode mode) {
     return mode == GIRIH_MODE_WELDED ? GIRIH_MODE_BAKED : mode;
 }
 
-// What a plan of this frame has room for.
-typedef struct room {
-    uint64_t triangles, vertices, splits;
-    bool grown; // as the levels asked for
-} room;
-
 // What a plan's creation says; where the levels made it too large, with the size they asked for and
 // what to do.
-static girih_result explain(girih_result result, const girih_error *reason, const room *asked,
-                            girih_error *error) {
+static girih_result explain(girih_result result, const girih_error *reason,
+                            const girih_refinement_room *asked, girih_error *error) {
     bool too_large = result == GIRIH_ERROR_TOO_LARGE ||
                      result == GIRIH_ERROR_OUT_OF_DEVICE_MEMORY ||
                      result == GIRIH_ERROR_OUT_OF_MEMORY;
@@ -68,20 +63,39 @@ static girih_result explain(girih_result result, const girih_error *reason, cons
         (unsigned long long)asked->triangles, (unsigned long long)asked->vertices, reason->message);
 }
 
-// Makes room for what a frame that overflowed needs; false where it should have had enough.
-static bool grow(room *asked, const girih_statistics *needed) {
+bool girih_refinement_grow(girih_refinement_room *room, const girih_statistics *needed) {
     // Parts that found no room are not counted as triangles yet.
-    if (needed->needed_splits > asked->splits) {
-        asked->splits = needed->needed_splits;
-    } else if (needed->needed_triangles > asked->triangles ||
-               needed->needed_vertices > asked->vertices) {
-        asked->triangles = larger(asked->triangles, needed->needed_triangles);
-        asked->vertices = larger(asked->vertices, needed->needed_vertices);
+    if (needed->needed_splits > room->splits) {
+        room->splits = needed->needed_splits;
+    } else if (needed->needed_triangles > room->triangles ||
+               needed->needed_vertices > room->vertices) {
+        room->triangles = larger(room->triangles, needed->needed_triangles);
+        room->vertices = larger(room->vertices, needed->needed_vertices);
     } else {
         return false;
     }
-    asked->grown = true;
+    room->grown = true;
     return true;
+}
+
+bool girih_refinement_must_split(const girih_refinement *refinement,
+                                 const girih_refinement_desc *desc) {
+    return desc->max_segments > 0 && !refinement->has_splits &&
+           refinement->statistics.clamped_edges > 0;
+}
+
+void girih_refinement_read_times(girih_stage_times *times, const girih_device *device,
+                                 VkQueryPool queries, uint32_t first) {
+    *times = girih_no_times;
+    double at[GIRIH_TIMESTAMPS];
+    if (girih_device_read_queries(device, queries, first, GIRIH_TIMESTAMPS, at)) {
+        times->levels = at[1] - at[0];
+        times->select = at[2] - at[1];
+        times->group = at[3] - at[2];
+        times->dispatch = at[4] - at[3];
+        // Indices are part of what evaluating a surface comes to.
+        times->evaluate = at[6] - at[4];
+    }
 }
 
 static girih_result run_once(girih_refinement *refinement, const girih_refinement_desc *desc,
@@ -106,26 +120,18 @@ static girih_result run_once(girih_refinement *refinement, const girih_refinemen
     if (result != GIRIH_OK) {
         return result;
     }
-    refinement->times = girih_no_times;
-    refinement->times.wall = (girih_seconds() - start) * 1e3;
+    double wall = (girih_seconds() - start) * 1e3;
+    girih_refinement_read_times(&refinement->times, device, queries, 0);
+    refinement->times.wall = wall;
     refinement->statistics = girih_plan_statistics(refinement->plan);
-    double at[GIRIH_TIMESTAMPS];
-    if (girih_device_read_queries(device, queries, 0, GIRIH_TIMESTAMPS, at)) {
-        refinement->times.levels = at[1] - at[0];
-        refinement->times.select = at[2] - at[1];
-        refinement->times.group = at[3] - at[2];
-        refinement->times.dispatch = at[4] - at[3];
-        // Indices are part of what evaluating a surface comes to.
-        refinement->times.evaluate = at[6] - at[4];
-    }
     return GIRIH_OK;
 }
 
-static girih_result create_plan(girih_refinement *refinement, const girih_refinement_desc *desc,
-                                const room *asked, girih_error *error) {
+girih_result girih_refinement_plan(girih_refinement *refinement, const girih_refinement_desc *desc,
+                                   const girih_refinement_room *room, girih_error *error) {
     girih_error reason = {.message = "there can be 2^32 of each"};
     girih_result result = GIRIH_ERROR_TOO_LARGE;
-    if (asked->triangles <= UINT32_MAX && asked->vertices <= UINT32_MAX) {
+    if (room->triangles <= UINT32_MAX && room->vertices <= UINT32_MAX) {
         girih_plan_desc plan = {
             .scene = desc->scene,
             .instances = desc->instances,
@@ -134,47 +140,44 @@ static girih_result create_plan(girih_refinement *refinement, const girih_refine
             .program = desc->program,
             .mode = refinement->mode,
             .outputs = desc->outputs,
-            .max_vertices = (uint32_t)asked->vertices,
-            .max_triangles = (uint32_t)asked->triangles,
+            .max_vertices = (uint32_t)room->vertices,
+            .max_triangles = (uint32_t)room->triangles,
             .max_segments = refinement->has_splits ? desc->max_segments : 0,
-            .max_splits = (uint32_t)asked->splits,
+            .max_splits = refinement->has_splits ? (uint32_t)room->splits : 0,
             .vertex_usage = desc->vertex_usage,
             .index_usage = desc->index_usage,
         };
         result = girih_plan_create(desc->context, &plan, &refinement->plan, &reason);
     }
-    return result == GIRIH_OK ? GIRIH_OK : explain(result, &reason, asked, error);
+    return result == GIRIH_OK ? GIRIH_OK : explain(result, &reason, room, error);
 }
 
 girih_result girih_refinement_run(girih_refinement *refinement, const girih_refinement_desc *desc,
                                   const girih_frame *frame, girih_error *error) {
     *refinement = (girih_refinement){.mode = desc->mode, .times = girih_no_times};
     girih_report_progress("refining");
-    room asked = {.triangles = FIRST_OUTPUTS, .vertices = FIRST_OUTPUTS};
-    const girih_statistics *statistics = &refinement->statistics;
+    girih_refinement_room room = girih_refinement_first_room;
     VkQueryPool queries;
     girih_result result = girih_device_queries(desc->device, GIRIH_TIMESTAMPS, &queries, error);
     while (result == GIRIH_OK) {
-        result = create_plan(refinement, desc, &asked, error);
+        result = girih_refinement_plan(refinement, desc, &room, error);
         if (result == GIRIH_OK) {
             result = run_once(refinement, desc, frame, queries, error);
         }
-        bool splits =
-            desc->max_segments > 0 && !refinement->has_splits && statistics->clamped_edges > 0;
-        if (result != GIRIH_OK || (!splits && !statistics->overflow)) {
+        bool splits = result == GIRIH_OK && girih_refinement_must_split(refinement, desc);
+        if (result != GIRIH_OK || (!splits && !refinement->statistics.overflow)) {
             break;
         }
         girih_plan_destroy(refinement->plan);
         refinement->plan = NULL;
         if (splits) {
             refinement->has_splits = true;
-            refinement->mode = split_mode(desc->mode);
-            asked.splits = FIRST_SPLITS;
-        } else if (!grow(&asked, statistics)) {
+            refinement->mode = girih_refinement_split_mode(desc->mode);
+        } else if (!girih_refinement_grow(&room, &refinement->statistics)) {
             result = girih_fail(
                 error, GIRIH_ERROR_DEVICE,
                 "the device reports an overflow with room for %llu triangles, which should do",
-                (unsigned long long)asked.triangles);
+                (unsigned long long)room.triangles);
         }
     }
     if (result != GIRIH_OK) {
@@ -242,7 +245,7 @@ girih_result girih_refinement_run_on_cpu(girih_cpu_desc *desc, const girih_frame
     if (result == GIRIH_OK && max_segments > 0 && output->statistics.clamped_edges > 0) {
         girih_cpu_output_free(output);
         desc->max_segments = max_segments;
-        desc->mode = split_mode(desc->mode);
+        desc->mode = girih_refinement_split_mode(desc->mode);
         result = run_once_on_cpu(desc, frame, output, times, error);
     }
     girih_report_progress(NULL);

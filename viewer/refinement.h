@@ -28,6 +28,36 @@ typedef struct girih_refinement {
     girih_stage_times times;
 } girih_refinement;
 
+// What a plan has room for.
+typedef struct girih_refinement_room {
+    uint64_t triangles, vertices, splits;
+    bool grown; // as the levels asked for
+} girih_refinement_room;
+
+// Room that is tried first: most pictures fit, and what does not says how much it needs. splits is
+// where triangles are split.
+extern const girih_refinement_room girih_refinement_first_room;
+
+// Makes room for what a frame that overflowed needs; false where it should have had enough.
+bool girih_refinement_grow(girih_refinement_room *room, const girih_statistics *needed);
+
+// Creates the plan of a refinement, whose mode and has_splits say which. A failure that levels are
+// to blame for says what to do.
+girih_result girih_refinement_plan(girih_refinement *refinement, const girih_refinement_desc *desc,
+                                   const girih_refinement_room *room, girih_error *error);
+
+// Whether a frame asked for more segments than the catalogue holds, and the next plan must split.
+bool girih_refinement_must_split(const girih_refinement *refinement,
+                                 const girih_refinement_desc *desc);
+
+// The mode where triangles are split: they cannot be welded as they are refined.
+girih_mode girih_refinement_split_mode(girih_mode mode);
+
+// Reads the times of the stages from GIRIH_TIMESTAMPS queries; those that are not there are
+// negative.
+void girih_refinement_read_times(girih_stage_times *times, const girih_device *device,
+                                 VkQueryPool queries, uint32_t first);
+
 // Where edges ask for more segments than the catalogue holds, the frame is repeated with triangles
 // split, as desc->max_segments allows.
 girih_result girih_refinement_run(girih_refinement *refinement, const girih_refinement_desc *desc,
