@@ -313,9 +313,8 @@ static girih_result create_set(girih_own_surface *surface, const girih_device *d
     return GIRIH_OK;
 }
 
-girih_result girih_own_surface_upload(girih_own_surface *surface, girih_device *device,
-                                      const girih_context *context, bool instanced,
-                                      girih_error *error) {
+static girih_result create_program(girih_own_surface *surface, const girih_context *context,
+                                   bool instanced, girih_error *error) {
     girih_report_progress("compiling the surface");
     bool few_buffers = girih_context_uses_few_buffers(context) != 0;
     uint32_t *words = NULL;
@@ -324,12 +323,6 @@ girih_result girih_own_surface_upload(girih_own_surface *surface, girih_device *
     if (!instanced) {
         result = compile(surface, GIRIH_SHADER_COMPUTE,
                          few_buffers ? "#define GIRIH_FEW_BUFFERS\n" : "", &words, &bytes, error);
-    }
-    if (result == GIRIH_OK && surface->options->height_map != NULL) {
-        result = upload_heights(surface, device, error);
-        if (result == GIRIH_OK) {
-            result = create_set(surface, device, error);
-        }
     }
     if (result == GIRIH_OK) {
         girih_surface_program_desc desc = {
@@ -350,6 +343,19 @@ girih_result girih_own_surface_upload(girih_own_surface *surface, girih_device *
     return result;
 }
 
+girih_result girih_own_surface_upload(girih_own_surface *surface, girih_device *device,
+                                      const girih_context *context, bool instanced,
+                                      girih_error *error) {
+    girih_result result = GIRIH_OK;
+    if (surface->options->height_map != NULL) {
+        result = upload_heights(surface, device, error);
+        if (result == GIRIH_OK) {
+            result = create_set(surface, device, error);
+        }
+    }
+    return result == GIRIH_OK ? create_program(surface, context, instanced, error) : result;
+}
+
 girih_result girih_own_surface_compile_drawing(girih_own_surface *surface, bool has_splits,
                                                girih_error *error) {
     girih_report_progress("compiling the surface");
@@ -358,6 +364,30 @@ girih_result girih_own_surface_compile_drawing(girih_own_surface *surface, bool 
     surface->revision++;
     return compile(surface, GIRIH_SHADER_VERTEX, has_splits ? "#define GIRIH_SPLITS\n" : "",
                    &surface->vertex_words, &surface->vertex_bytes, error);
+}
+
+girih_result girih_own_surface_compile_again(const girih_own_surface *surface,
+                                             const girih_context *context, bool drawn,
+                                             bool has_splits, girih_own_surface *fresh,
+                                             girih_error *error) {
+    *fresh = *surface;
+    fresh->program = NULL;
+    fresh->vertex_words = NULL;
+    girih_result result = create_program(fresh, context, false, error);
+    if (result == GIRIH_OK && drawn) {
+        result = girih_own_surface_compile_drawing(fresh, has_splits, error);
+    }
+    if (result != GIRIH_OK) {
+        girih_surface_program_destroy(fresh->program);
+        fresh->program = NULL;
+    }
+    return result;
+}
+
+void girih_own_surface_replace(girih_own_surface *surface, const girih_own_surface *fresh) {
+    girih_surface_program_destroy(surface->program);
+    free(surface->vertex_words);
+    *surface = *fresh;
 }
 
 void girih_own_surface_remove(girih_own_surface *surface, const girih_device *device) {

@@ -41,6 +41,16 @@ girih_result girih_own_surface_upload(girih_own_surface *surface, girih_device *
 girih_result girih_own_surface_compile_drawing(girih_own_surface *surface, bool has_splits,
                                                girih_error *error);
 
+// Compiles the surface as its file is now, for drawing in the instanced mode too if drawn, into
+// *fresh, which shares all else with the surface. On failure *fresh holds nothing of its own.
+girih_result girih_own_surface_compile_again(const girih_own_surface *surface,
+                                             const girih_context *context, bool drawn,
+                                             bool has_splits, girih_own_surface *fresh,
+                                             girih_error *error);
+
+// Has the surface take what was compiled. The plans of its program must be destroyed before.
+void girih_own_surface_replace(girih_own_surface *surface, const girih_own_surface *fresh);
+
 // Frees what is on the device, before it is closed. Its plans must be destroyed before.
 void girih_own_surface_remove(girih_own_surface *surface, const girih_device *device);
 
