@@ -37,6 +37,12 @@ static const char *result_name(VkResult result) {
         return "VK_ERROR_FRAGMENTED_POOL";
     case VK_ERROR_OUT_OF_POOL_MEMORY:
         return "VK_ERROR_OUT_OF_POOL_MEMORY";
+    case VK_ERROR_SURFACE_LOST_KHR:
+        return "VK_ERROR_SURFACE_LOST_KHR";
+    case VK_ERROR_NATIVE_WINDOW_IN_USE_KHR:
+        return "VK_ERROR_NATIVE_WINDOW_IN_USE_KHR";
+    case VK_ERROR_OUT_OF_DATE_KHR:
+        return "VK_ERROR_OUT_OF_DATE_KHR";
     default:
         return "VkResult";
     }
@@ -53,6 +59,8 @@ static const char *advice(VkResult result) {
                "refine, use --cpu";
     case VK_ERROR_DEVICE_LOST:
         return ": the driver gave up; try another --device, or --validation to find the cause";
+    case VK_ERROR_SURFACE_LOST_KHR:
+        return ": the window or its display is gone";
     default:
         return "";
     }
@@ -97,10 +105,18 @@ static girih_result find_validation(girih_error *error) {
                       validation_layer);
 }
 
-static girih_result create_instance(girih_device *device, bool validation, girih_error *error) {
+static girih_result create_instance(girih_device *device, bool validation,
+                                    const girih_device_wishes *wishes, girih_error *error) {
     const char *layers[] = {validation_layer};
-    const char *extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
-                                VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+    const char *extensions[8];
+    uint32_t extension_count = 0;
+    if (validation) {
+        extensions[extension_count++] = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+        extensions[extension_count++] = VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME;
+    }
+    for (uint32_t n = 0; n < wishes->window_extension_count && extension_count < 8; n++) {
+        extensions[extension_count++] = wishes->window_extensions[n];
+    }
     VkDebugUtilsMessengerCreateInfoEXT messenger = {
         .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
         .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT |
@@ -128,7 +144,7 @@ static girih_result create_instance(girih_device *device, bool validation, girih
         .pApplicationInfo = &application,
         .enabledLayerCount = validation ? 1 : 0,
         .ppEnabledLayerNames = layers,
-        .enabledExtensionCount = validation ? 2 : 0,
+        .enabledExtensionCount = extension_count,
         .ppEnabledExtensionNames = extensions,
     };
     if (validation) {
@@ -169,12 +185,32 @@ static bool name_contains(const char *name, const char *part) {
     return length == 0;
 }
 
-static uint32_t find_queue_family(VkPhysicalDevice physical, VkQueueFlags flags) {
+static bool has_extension(VkPhysicalDevice physical, const char *name) {
+    VkExtensionProperties extensions[512];
+    uint32_t count = 512;
+    const VkResult result =
+        vkEnumerateDeviceExtensionProperties(physical, NULL, &count, extensions);
+    for (uint32_t n = 0; (result == VK_SUCCESS || result == VK_INCOMPLETE) && n < count; n++) {
+        if (strcmp(extensions[n].extensionName, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static uint32_t find_queue_family(VkInstance instance, VkPhysicalDevice physical,
+                                  const girih_device_wishes *wishes) {
+    VkQueueFlags flags =
+        girih_get_requirements().queue | (wishes->graphics ? VK_QUEUE_GRAPHICS_BIT : 0u);
+    if (wishes->shows != NULL && !has_extension(physical, VK_KHR_SWAPCHAIN_EXTENSION_NAME)) {
+        return UINT32_MAX;
+    }
     VkQueueFamilyProperties families[32];
     uint32_t count = 32;
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families);
     for (uint32_t n = 0; n < count; n++) {
-        if ((families[n].queueFlags & flags) == flags) {
+        if ((families[n].queueFlags & flags) == flags &&
+            (wishes->shows == NULL || wishes->shows(instance, physical, n))) {
             return n;
         }
     }
@@ -196,8 +232,8 @@ static int preference(VkPhysicalDeviceType type) {
     }
 }
 
-static girih_result choose_physical(girih_device *device, const char *name, VkQueueFlags flags,
-                                    girih_error *error) {
+static girih_result choose_physical(girih_device *device, const char *name,
+                                    const girih_device_wishes *wishes, girih_error *error) {
     VkPhysicalDevice devices[32];
     uint32_t count = 32;
     VkResult result = vkEnumeratePhysicalDevices(device->instance, &count, devices);
@@ -217,7 +253,7 @@ static girih_result choose_physical(girih_device *device, const char *name, VkQu
             continue;
         }
         is_named = true;
-        uint32_t family = find_queue_family(devices[n], flags);
+        uint32_t family = find_queue_family(device->instance, devices[n], wishes);
         if (properties.apiVersion < girih_get_requirements().api_version || family == UINT32_MAX) {
             continue;
         }
@@ -241,7 +277,8 @@ static girih_result choose_physical(girih_device *device, const char *name, VkQu
                           names);
     }
     return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
-                      "no device with Vulkan 1.1 and a fitting queue among %.300s", names);
+                      "no device with Vulkan 1.1 and a queue that %s among %.300s",
+                      wishes->shows != NULL ? "shows windows" : "fits", names);
 }
 
 // Features as an array: VkPhysicalDeviceFeatures holds nothing but VkBool32.
@@ -257,19 +294,6 @@ static void enable_features(const VkPhysicalDeviceFeatures *there,
         c[n] |= a[n] & b[n];
     }
     memcpy(enabled, c, sizeof c);
-}
-
-static bool has_extension(VkPhysicalDevice physical, const char *name) {
-    VkExtensionProperties extensions[512];
-    uint32_t count = 512;
-    const VkResult result =
-        vkEnumerateDeviceExtensionProperties(physical, NULL, &count, extensions);
-    for (uint32_t n = 0; (result == VK_SUCCESS || result == VK_INCOMPLETE) && n < count; n++) {
-        if (strcmp(extensions[n].extensionName, name) == 0) {
-            return true;
-        }
-    }
-    return false;
 }
 
 static girih_result create_device(girih_device *device, const girih_device_wishes *wishes,
@@ -289,6 +313,14 @@ static girih_result create_device(girih_device *device, const girih_device_wishe
         feedback.geometryStreams = VK_FALSE;
         device->has_transform_feedback = feedback.transformFeedback;
     }
+    const char *extensions[2];
+    uint32_t extension_count = 0;
+    if (device->has_transform_feedback) {
+        extensions[extension_count++] = feedback_name;
+    }
+    if (wishes->shows != NULL) {
+        extensions[extension_count++] = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+    }
     float priority = 1.0f;
     VkDeviceQueueCreateInfo queue = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
@@ -301,8 +333,8 @@ static girih_result create_device(girih_device *device, const girih_device_wishe
         .pNext = device->has_transform_feedback ? &feedback : NULL,
         .queueCreateInfoCount = 1,
         .pQueueCreateInfos = &queue,
-        .enabledExtensionCount = device->has_transform_feedback ? 1 : 0,
-        .ppEnabledExtensionNames = &feedback_name,
+        .enabledExtensionCount = extension_count,
+        .ppEnabledExtensionNames = extensions,
         .pEnabledFeatures = &device->features,
     };
     VkResult result = vkCreateDevice(device->physical, &info, NULL, &device->device);
@@ -342,11 +374,9 @@ static girih_result create_device(girih_device *device, const girih_device_wishe
 girih_result girih_device_open(girih_device *device, const girih_device_options *options,
                                const girih_device_wishes *wishes, girih_error *error) {
     *device = (girih_device){0};
-    VkQueueFlags flags =
-        girih_get_requirements().queue | (wishes->graphics ? VK_QUEUE_GRAPHICS_BIT : 0u);
-    girih_result result = create_instance(device, options->validation, error);
+    girih_result result = create_instance(device, options->validation, wishes, error);
     if (result == GIRIH_OK) {
-        result = choose_physical(device, options->name, flags, error);
+        result = choose_physical(device, options->name, wishes, error);
     }
     if (result == GIRIH_OK) {
         result = create_device(device, wishes, error);

@@ -32,6 +32,11 @@ typedef struct girih_device_wishes {
     bool graphics;                     // a queue that draws; the device must have one
     bool transform_feedback;           // VK_EXT_transform_feedback, where the device has it
     VkPhysicalDeviceFeatures features; // enabled where the device has them
+    // For a window: extensions that the instance must have, and whether a queue family can show
+    // pictures in one, which also takes VK_KHR_swapchain. NULL: there is no window.
+    const char *const *window_extensions;
+    uint32_t window_extension_count;
+    bool (*shows)(VkInstance instance, VkPhysicalDevice physical, uint32_t queue_family);
 } girih_device_wishes;
 
 // Opens the device that the options name, else the likely fastest one, with a queue that runs
