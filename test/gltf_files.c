@@ -13,7 +13,7 @@
 char gltf_message[512];
 char gltf_warnings[4096];
 
-static void collect(void *user, const char *line) {
+void gltf_warn(void *user, const char *line) {
     (void)user;
     assert_null(strchr(line, '\n'));
     const size_t used = strlen(gltf_warnings);
@@ -22,7 +22,7 @@ static void collect(void *user, const char *line) {
 
 girih_gltf_model *gltf_load(const char *name) {
     gltf_warnings[0] = gltf_message[0] = '\0';
-    return girih_gltf_load(folder_path(name), collect, NULL, gltf_message, sizeof gltf_message);
+    return girih_gltf_load(folder_path(name), gltf_warn, NULL, gltf_message, sizeof gltf_message);
 }
 
 void gltf_assert_refused(const char *name, const char *words) {

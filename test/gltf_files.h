@@ -11,6 +11,8 @@
 extern char gltf_message[512];   // what the last call had to say
 extern char gltf_warnings[4096]; // of the last gltf_load, one a line
 
+void gltf_warn(void *user, const char *line); // adds to gltf_warnings
+
 girih_gltf_model *gltf_load(const char *name); // a file of the folder
 void gltf_assert_refused(const char *name, const char *words);
 

@@ -62,14 +62,14 @@ girih_gltf_model *girih_gltf_load(const char *path, void (*warn)(void *user, con
     const bool loaded = guarded(path, message, message_size, [&] {
         model = std::make_unique<girih_gltf_model>();
         const warner warning(warn, user);
-        document source(path);
+        model->source = std::make_unique<document>(path);
+        document &source = *model->source;
         check_extensions(source.root, warning);
         decode_compressed(source);
         load_geometry(*model, source, warning);
         load_image_files(*model, source, warning);
         load_scene(*model, source, warning);
         load_animations(*model, source, warning);
-        model->root = std::move(source.root);
     });
     return loaded ? model.release() : nullptr;
 }
@@ -84,6 +84,8 @@ const girih_gltf_contents *girih_gltf_get(const girih_gltf_model *model) {
 
 bool girih_gltf_write(const girih_gltf_model *model,
                       const girih_gltf_refined_primitive *const *refined, const char *path,
-                      char *message, size_t message_size) {
-    return guarded(path, message, message_size, [&] { write_model(*model, refined, path); });
+                      void (*warn)(void *user, const char *line), void *user, char *message,
+                      size_t message_size) {
+    return guarded(path, message, message_size,
+                   [&] { write_model(*model, refined, path, warner(warn, user)); });
 }

@@ -228,6 +228,13 @@ void girih_gltf_destroy(girih_gltf_model *model); // takes NULL
 
 const girih_gltf_contents *girih_gltf_get(const girih_gltf_model *model);
 
+// What replaces a morph target of a primitive: as many arrays as the source's has.
+typedef struct girih_gltf_refined_target {
+    const float *positions; // [vertex_count][3] or NULL
+    const float *normals;   // [vertex_count][3] or NULL; may be there where the source has none
+    const float *const *attributes; // one array for each of the target's attributes, in its order
+} girih_gltf_refined_target;
+
 // What replaces a primitive's geometry when a model is written. Read during girih_gltf_write only.
 typedef struct girih_gltf_refined_primitive {
     uint32_t vertex_count;
@@ -237,18 +244,24 @@ typedef struct girih_gltf_refined_primitive {
         *attributes; // one array for each of the primitive's attributes, in its order
     uint32_t index_count;
     const uint32_t *indices;
+    const uint32_t *joints; // [vertex_count][influence_count of the source], each below 65536
+    const float *weights;   // [vertex_count][influence_count of the source]
+    const girih_gltf_refined_target *targets; // [target_count of its mesh]
 } girih_gltf_refined_primitive;
 
-// Writes a .glb: the model with its nodes, materials, textures (embedded), cameras, extras and
-// names, each triangle primitive's geometry replaced by refined[mesh][primitive], in the order of
-// girih_gltf_contents. Skins, morph targets and animations are left out (the bind pose is written);
-// points and lines are left out as well. Positions are written bit for bit, with exact min and max;
-// normals and tangents are made unit length where they are not. The file is written beside the
-// target under another name and moved over it when it is whole. Streams its output: no copy of the
-// refined geometry is held in memory. Returns false and one line in message on failure.
+// Writes a .glb: the model, each triangle primitive's geometry replaced by
+// refined[mesh][primitive], in the order of girih_gltf_contents. Nodes, skins, animations,
+// materials, textures (embedded), cameras, extras, names and extensions stay as they are;
+// primitives that have no triangles, in the source or refined, too. Extensions that describe bytes
+// or vertices of the source are left out: each is named to warn, which may be NULL. Positions are
+// written bit for bit, with exact min and max; normals and tangents are made unit length where they
+// are not. The file is written beside the target under another name and moved over it when it is
+// whole. Streams its output: no copy of the refined geometry is held in memory. Returns false and
+// one line in message on failure.
 bool girih_gltf_write(const girih_gltf_model *model,
                       const girih_gltf_refined_primitive *const *refined, const char *path,
-                      char *message, size_t message_size);
+                      void (*warn)(void *user, const char *line), void *user, char *message,
+                      size_t message_size);
 
 #ifdef __cplusplus
 }

@@ -2,6 +2,7 @@
 // tinygltf promises any. glTF 2.0, section 3.6.2.
 #include "gltf_model.hh"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -104,6 +105,39 @@ elements locate(document &source, std::size_t view_index, std::uint64_t offset, 
     return {view.data + offset, stride};
 }
 
+namespace {
+
+// Calls replace(element, its new value's bytes) for the sparse values of an accessor, if any.
+template <typename Replace>
+void for_sparse(document &source, const json &accessor, std::size_t element_size,
+                const std::string &where, Replace replace) {
+    if (!accessor.contains("sparse")) {
+        return;
+    }
+    const json &sparse = accessor["sparse"], &indices = sparse["indices"];
+    const std::uint64_t count = sparse["count"], index_type = indices["componentType"];
+    if (index_type != type_u8 && index_type != type_u16 && index_type != type_u32) {
+        throw refusal(where + ": sparse indices must be unsigned integers");
+    }
+    const elements positions =
+        locate(source, indices["bufferView"], indices.value("byteOffset", std::uint64_t{0}), count,
+               component_size(index_type, where), where + ", sparse indices");
+    const elements replacements = locate(source, sparse["values"]["bufferView"],
+                                         sparse["values"].value("byteOffset", std::uint64_t{0}),
+                                         count, element_size, where + ", sparse values");
+    const std::uint64_t element_count = accessor["count"];
+    for (std::size_t i = 0; i < count; i++) {
+        const std::uint32_t target = read_index(positions.data + i * positions.stride, index_type);
+        if (target >= element_count) {
+            throw refusal(where + ": sparse index " + std::to_string(target) +
+                          ", but there are only " + std::to_string(element_count) + " elements");
+        }
+        replace(std::size_t{target}, replacements.data + i * replacements.stride);
+    }
+}
+
+} // namespace
+
 const std::vector<float> &accessor_values(girih_gltf_model &model, document &source,
                                           std::size_t accessor_index, bool always_normalized) {
     const std::pair<std::size_t, bool> key(accessor_index, always_normalized);
@@ -132,34 +166,43 @@ const std::vector<float> &accessor_values(girih_gltf_model &model, document &sou
                 read_component(base.data + i * base.stride + c * size, type, normalized);
         }
     }
-    if (accessor.contains("sparse")) {
-        const json &sparse = accessor["sparse"], &sparse_indices = sparse["indices"];
-        const std::uint64_t sparse_count = sparse["count"], index_type = sparse_indices["componentT"
-                                                                                        "ype"];
-        if (index_type != type_u8 && index_type != type_u16 && index_type != type_u32) {
-            throw refusal(where + ": sparse indices must be unsigned integers");
-        }
-        const elements positions =
-            locate(source, sparse_indices["bufferView"],
-                   sparse_indices.value("byteOffset", std::uint64_t{0}), sparse_count,
-                   component_size(index_type, where), where + ", sparse indices");
-        const elements replacements = locate(source, sparse["values"]["bufferView"],
-                                             sparse["values"].value("byteOffset", std::uint64_t{0}),
-                                             sparse_count, element_size, where + ", sparse values");
-        for (std::size_t i = 0; i < sparse_count; i++) {
-            const std::uint32_t target =
-                read_index(positions.data + i * positions.stride, index_type);
-            if (target >= count) {
-                throw refusal(where + ": sparse index " + std::to_string(target) +
-                              ", but there are only " + std::to_string(count) + " elements");
-            }
-            for (unsigned c = 0; c < components; c++) {
-                result[std::size_t{target} * components + c] = read_component(
-                    replacements.data + i * replacements.stride + c * size, type, normalized);
-            }
-        }
-    }
+    for_sparse(source, accessor, element_size, where,
+               [&](std::size_t target, const std::uint8_t *value) {
+                   for (unsigned c = 0; c < components; c++) {
+                       result[target * components + c] =
+                           read_component(value + c * size, type, normalized);
+                   }
+               });
     return model.values.emplace(key, std::move(result)).first->second;
+}
+
+bytes accessor_bytes(document &source, std::size_t accessor_index, std::size_t alignment) {
+    const json &accessor = source.root["accessors"][accessor_index];
+    const std::string where = label(source.root, "accessors", "accessor", accessor_index);
+    const element_layout element = layout_of(accessor);
+    const std::uint64_t count = accessor["count"];
+    if (element.size == 0) {
+        throw refusal(where + ": unknown type");
+    }
+    const std::size_t size = element.size,
+                      distance = (element.distance + alignment - 1) / alignment * alignment;
+    elements base = {};
+    if (accessor.contains("bufferView")) {
+        base = locate(source, accessor["bufferView"],
+                      accessor.value("byteOffset", std::uint64_t{0}), count, size, where);
+        // A matrix may be shorter than the way to the next one (check_ranges knows of both).
+        base.stride = std::max<std::size_t>(base.stride, element.distance);
+    } else if (count > greatest_zero_count) {
+        throw refusal(where + ": " + std::to_string(count) + " elements without data");
+    }
+    bytes result(count * distance);
+    for (std::size_t i = 0; base.data != nullptr && i < count; i++) {
+        std::memcpy(result.data() + i * distance, base.data + i * base.stride, size);
+    }
+    for_sparse(source, accessor, size, where, [&](std::size_t target, const std::uint8_t *value) {
+        std::memcpy(result.data() + target * distance, value, size);
+    });
+    return result;
 }
 
 } // namespace girih_gltf

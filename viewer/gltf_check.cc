@@ -233,6 +233,9 @@ constexpr rule rules[] = {
     numbers("nodes/*/translation", 3),
     numbers("nodes/*/rotation", 4),
     numbers("nodes/*/scale", 3),
+    object("nodes/*/extensions/EXT_mesh_gpu_instancing"),
+    object("nodes/*/extensions/EXT_mesh_gpu_instancing/attributes"),
+    index("nodes/*/extensions/EXT_mesh_gpu_instancing/attributes/*", "accessors"),
     numbers("nodes/*/weights", 0),
 
     array("skins"),
@@ -401,35 +404,6 @@ const std::set<std::string> harmless = {
     "CESIUM_primitive_outline",
 };
 
-// How many bytes an element takes, and how far apart two are without a stride. Both 0 where its
-// types are unknown.
-struct element_layout {
-    std::uint64_t size, distance;
-};
-
-element_layout layout_of(const json &accessor) {
-    const std::uint64_t component_type = accessor["componentType"];
-    const std::string &type = accessor["type"].get_ref<const std::string &>();
-    const std::uint64_t component = component_type == 5120 || component_type == 5121   ? 1
-                                    : component_type == 5122 || component_type == 5123 ? 2
-                                    : component_type == 5125 || component_type == 5126 ? 4
-                                                                                       : 0;
-    if (type == "SCALAR") {
-        return {component, component};
-    }
-    if (type.size() != 4 || type[3] < '2' || type[3] > '4') {
-        return {0, 0};
-    }
-    const std::uint64_t count = static_cast<std::uint64_t>(type[3] - '0');
-    if (type.compare(0, 3, "MAT") == 0) {
-        // Columns begin at multiples of 4 (glTF 2.0, section 3.6.2.4); the last is not padded.
-        const std::uint64_t column = (count * component + 3) / 4 * 4;
-        return {(count - 1) * column + count * component, count * column};
-    }
-    const std::uint64_t size = type.compare(0, 3, "VEC") == 0 ? count * component : 0;
-    return {size, size};
-}
-
 // Buffer views must lie within their buffers' stated lengths and accessors within their views,
 // whether something uses them or not. No sum here can overflow: every size is below 2^63.
 void check_ranges(const json &root) {
@@ -473,6 +447,29 @@ void check_ranges(const json &root) {
 }
 
 } // namespace
+
+element_layout layout_of(const json &accessor) {
+    const std::uint64_t component_type = accessor["componentType"];
+    const std::string &type = accessor["type"].get_ref<const std::string &>();
+    const std::uint64_t component = component_type == 5120 || component_type == 5121   ? 1
+                                    : component_type == 5122 || component_type == 5123 ? 2
+                                    : component_type == 5125 || component_type == 5126 ? 4
+                                                                                       : 0;
+    if (type == "SCALAR") {
+        return {component, component};
+    }
+    if (type.size() != 4 || type[3] < '2' || type[3] > '4') {
+        return {0, 0};
+    }
+    const std::uint64_t count = static_cast<std::uint64_t>(type[3] - '0');
+    if (type.compare(0, 3, "MAT") == 0) {
+        // Columns begin at multiples of 4 (glTF 2.0, section 3.6.2.4); the last is not padded.
+        const std::uint64_t column = (count * component + 3) / 4 * 4;
+        return {(count - 1) * column + count * component, count * column};
+    }
+    const std::uint64_t size = type.compare(0, 3, "VEC") == 0 ? count * component : 0;
+    return {size, size};
+}
 
 void check_document(json &root) {
     if (!root.is_object()) {

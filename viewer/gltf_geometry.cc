@@ -301,12 +301,12 @@ bool geometry_loader::load_primitive(const json &description, const std::string 
     static const char *const other_modes[] = {"points", "lines", "a line loop", "a line strip"};
     const unsigned mode = description.value("mode", unsigned{mode_triangles});
     if (mode < mode_triangles) {
-        warn_(where + ": " + other_modes[mode] + ", left out (only triangles are drawn)");
+        warn_(where + ": " + other_modes[mode] + ", neither drawn nor refined (only triangles are)");
         return false;
     }
     const json &attributes = description["attributes"];
     if (!attributes.contains("POSITION")) {
-        warn_(where + ": no POSITION, left out");
+        warn_(where + ": no POSITION, neither drawn nor refined");
         return false;
     }
     const std::size_t position_index = attributes["POSITION"];

@@ -144,6 +144,18 @@ std::uint32_t read_index(const std::uint8_t *from, std::uint64_t type);
 const std::vector<float> &accessor_values(girih_gltf_model &model, document &source,
                                           std::size_t accessor_index, bool always_normalized);
 
+// How many bytes an element takes, and how far apart two are without a stride. Both 0 where its
+// types are unknown.
+struct element_layout {
+    std::uint64_t size, distance;
+};
+
+element_layout layout_of(const json &accessor); // gltf_check.cc
+
+// An accessor's elements as they are in the file, sparse values applied, each at a multiple of
+// `alignment` bytes.
+bytes accessor_bytes(document &source, std::size_t accessor_index, std::size_t alignment);
+
 // A number of the JSON as a float, never infinite.
 inline float finite(double value) {
     constexpr double greatest = std::numeric_limits<float>::max();
@@ -156,7 +168,7 @@ std::string label(const json &root, const char *array, const char *kind, std::si
 } // namespace girih_gltf
 
 struct girih_gltf_model {
-    girih_gltf::json root; // the source document, which girih_gltf_write starts from
+    std::unique_ptr<girih_gltf::document> source; // which girih_gltf_write starts from
 
     // The encoded bytes of every image, as in the source; empty where they could not be read.
     std::vector<girih_gltf::bytes> image_files;
@@ -208,7 +220,7 @@ std::string name_or_number(const json &element, const char *kind, std::size_t in
 
 // Throws refusal where the file cannot be written.
 void write_model(const girih_gltf_model &model, const girih_gltf_refined_primitive *const *refined,
-                 const char *path); // gltf_write.cc
+                 const char *path, const warner &warn); // gltf_write.cc
 
 } // namespace girih_gltf
 

@@ -290,7 +290,7 @@ static girih_result join(girih_joined *joined, const girih_model *model, uint32_
 
 static girih_result create_mesh(const girih_model *model, const girih_joined *joined,
                                 const char *name, const girih_surface_options *surface,
-                                const girih_mesh **mesh, girih_error *error) {
+                                bool dynamic, const girih_mesh **mesh, girih_error *error) {
     girih_mesh_desc desc = {
         .name = name,
         .vertex_count = joined->vertex_count,
@@ -304,7 +304,7 @@ static girih_result create_mesh(const girih_model *model, const girih_joined *jo
         .submesh_count = joined->submesh_count,
         .missing_normals = GIRIH_NORMALS_SMOOTH,
         .crease_degrees = surface->crease_degrees,
-        .dynamic = model->is_dynamic,
+        .dynamic = dynamic,
     };
     if (surface->surface == GIRIH_SURFACE_FLAT) {
         if (model->purpose == GIRIH_MODEL_DRAW) {
@@ -317,37 +317,38 @@ static girih_result create_mesh(const girih_model *model, const girih_joined *jo
     return girih_mesh_create(&desc, mesh, error);
 }
 
-// Which vertex of the glTF mesh each vertex of a mixed one is of: `made` stands behind the
-// primitives that it was made of.
-static uint32_t *find_mixed_sources(const girih_gltf_mesh *source, const bool *lacks,
-                                    const girih_mesh *made, const girih_mesh *mesh) {
-    uint32_t vertices = 0;
-    uint32_t lacking = 0;
-    for (uint32_t n = 0; n < source->primitive_count; n++) {
-        vertices += source->primitives[n].vertex_count;
-        lacking += lacks[n] ? source->primitives[n].vertex_count : 0;
+// Also where it is refined: morph targets move the two sides of an edge apart, as far as normals
+// go.
+static bool is_dynamic(const girih_model *model, uint32_t mesh) {
+    return model->is_dynamic || (model->purpose == GIRIH_MODEL_REFINE &&
+                                 model->contents->meshes[mesh].target_count != 0);
+}
+
+// Tells *sources of a mesh: of vertices from `base` on through those of `made`, the mesh of the
+// primitives that lack normals. made NULL: no vertex is from there.
+static girih_result find_sources(const girih_gltf_mesh *source, const bool *lacks,
+                                 const girih_mesh *made, uint32_t base, const girih_mesh *mesh,
+                                 uint32_t **sources, girih_error *error) {
+    uint32_t *lacking = malloc((size_t)base * 4 + 1); // vertex of those primitives: of all
+    *sources = malloc((size_t)mesh->vertex_count * 4 + 1);
+    if (*sources == NULL || lacking == NULL) {
+        free(lacking);
+        return no_memory(error);
     }
-    uint32_t *origins = malloc(((size_t)lacking + 1) * sizeof *origins);
-    uint32_t *sources = malloc(((size_t)mesh->vertex_count + 1) * sizeof *sources);
-    if (origins == NULL || sources == NULL) {
-        free(origins);
-        free(sources);
-        return NULL;
-    }
-    uint32_t *next = origins;
     uint32_t first = 0;
+    uint32_t count = 0;
     for (uint32_t n = 0; n < source->primitive_count; n++) {
-        for (uint32_t v = 0; lacks[n] && v < source->primitives[n].vertex_count; v++) {
-            *next++ = first + v;
+        for (uint32_t v = 0; v < source->primitives[n].vertex_count && lacks[n]; v++) {
+            lacking[count++] = first + v;
         }
         first += source->primitives[n].vertex_count;
     }
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
         uint32_t from = mesh->vertex_source[v];
-        sources[v] = from < vertices ? from : origins[made->vertex_source[from - vertices]];
+        (*sources)[v] = from < base ? from : lacking[made->vertex_source[from - base]];
     }
-    free(origins);
-    return sources;
+    free(lacking);
+    return GIRIH_OK;
 }
 
 // A mesh with normals in some primitives and none in others: those without are prepared by
@@ -362,7 +363,7 @@ static girih_result create_mixed_mesh(const girih_model *model, uint32_t number,
     const girih_mesh *made = NULL;
     girih_result result = join(&without, model, number, lacks, false, error);
     if (result == GIRIH_OK) {
-        result = create_mesh(model, &without, source->name, surface, &made, error);
+        result = create_mesh(model, &without, source->name, surface, false, &made, error);
     }
     if (result == GIRIH_OK) {
         result = join(&all, model, number, NULL, true, error);
@@ -416,13 +417,10 @@ static girih_result create_mixed_mesh(const girih_model *model, uint32_t number,
             next_vertex += vertices;
         }
         all.vertex_count += made->vertex_count;
-        result = create_mesh(model, &all, source->name, surface, mesh, error);
-    }
-    if (result == GIRIH_OK) {
-        *sources = find_mixed_sources(source, lacks, made, *mesh);
-        if (*sources == NULL) {
-            girih_mesh_destroy(*mesh);
-            result = no_memory(error);
+        result =
+            create_mesh(model, &all, source->name, surface, is_dynamic(model, number), mesh, error);
+        if (result == GIRIH_OK) {
+            result = find_sources(source, lacks, made, base, *mesh, sources, error);
         }
     }
     girih_mesh_destroy(made);
@@ -451,7 +449,11 @@ static girih_result prepare_mesh(const girih_model *model, uint32_t number,
         girih_joined joined = {0};
         result = join(&joined, model, number, NULL, lacking == 0, error);
         if (result == GIRIH_OK) {
-            result = create_mesh(model, &joined, source->name, surface, mesh, error);
+            result = create_mesh(model, &joined, source->name, surface, is_dynamic(model, number),
+                                 mesh, error);
+        }
+        if (result == GIRIH_OK) {
+            result = find_sources(source, lacks, NULL, joined.vertex_count, *mesh, sources, error);
         }
         free_joined(&joined);
     }
@@ -466,9 +468,10 @@ static girih_result prepare_meshes(girih_model *model, const girih_surface_optio
     model->meshes = calloc(room, sizeof *model->meshes);
     model->mesh_source = calloc(room, sizeof *model->mesh_source);
     model->mesh_number = calloc(room, sizeof *model->mesh_number);
+    model->vertex_sources = calloc(room, sizeof *model->vertex_sources);
     model->moving = model->is_dynamic ? calloc(room, sizeof *model->moving) : NULL;
     if (model->meshes == NULL || model->mesh_source == NULL || model->mesh_number == NULL ||
-        (model->is_dynamic && model->moving == NULL)) {
+        model->vertex_sources == NULL || (model->is_dynamic && model->moving == NULL)) {
         return no_memory(error);
     }
     for (uint32_t m = 0; m < contents->mesh_count; m++) {
@@ -481,18 +484,14 @@ static girih_result prepare_meshes(girih_model *model, const girih_surface_optio
             continue;
         }
         uint32_t number = model->mesh_count;
-        uint32_t *sources = NULL;
-        girih_result result =
-            prepare_mesh(model, m, surface, &model->meshes[number], &sources, error);
-        if (result == GIRIH_OK) {
-            model->mesh_source[number] = m;
-            model->mesh_number[m] = number;
-            model->mesh_count++;
-            if (model->is_dynamic) {
-                result = girih_model_begin_moving(model, number, sources, error);
-            }
+        girih_result result = prepare_mesh(model, m, surface, &model->meshes[number],
+                                           &model->vertex_sources[number], error);
+        model->mesh_source[number] = m;
+        model->mesh_number[m] = number;
+        model->mesh_count++;
+        if (result == GIRIH_OK && model->is_dynamic) {
+            result = girih_model_begin_moving(model, number, error);
         }
-        free(sources);
         if (result != GIRIH_OK) {
             return result;
         }
@@ -567,6 +566,10 @@ void girih_model_free(girih_model *model) {
     if (model->meshes != NULL) {
         girih_model_free_meshes(model);
     }
+    for (uint32_t n = 0; n < model->mesh_count; n++) {
+        free(model->vertex_sources[n]);
+    }
+    free(model->vertex_sources);
     free(model->meshes);
     free(model->moving);
     free(model->mesh_source);

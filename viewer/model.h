@@ -56,6 +56,8 @@ typedef struct girih_model {
     uint32_t material_count;
     int32_t *materials;       // [material_count] DRAW: the glTF material, -1: the default
     uint32_t *first_material; // [contents->mesh_count] REFINE: material of a mesh's first primitive
+    uint32_t **vertex_sources; // [mesh_count][vertex_count of the mesh] vertex of the glTF mesh, its
+                               // primitives' one behind another
 
     float reach; // how far its surface may stray from the points, in the world: for cameras
 } girih_model;
@@ -94,12 +96,10 @@ void girih_model_free_meshes(girih_model *model);
 void girih_model_free(girih_model *model);
 
 // For girih_model_load, which poses a model before its meshes are prepared, and begins to move each
-// when it is. sources[vertex] is the vertex of the glTF mesh that a vertex is of, its primitives'
-// being counted one after another; NULL: they are what it was prepared from.
+// when it is.
 girih_result girih_model_pose(girih_model *model, const girih_pose_options *options,
                               girih_error *error);
-girih_result girih_model_begin_moving(girih_model *model, uint32_t mesh, const uint32_t *sources,
-                                      girih_error *error);
+girih_result girih_model_begin_moving(girih_model *model, uint32_t mesh, girih_error *error);
 
 // The instances of the file's placements; of every mesh once, untransformed, where placed is false.
 // Meshes whose triangles all have two corners at one point have none; where no other mesh is there,

@@ -92,8 +92,7 @@ static girih_result move_mesh(girih_model *model, uint32_t number, girih_error *
     return GIRIH_OK;
 }
 
-girih_result girih_model_begin_moving(girih_model *model, uint32_t mesh, const uint32_t *sources,
-                                      girih_error *error) {
+girih_result girih_model_begin_moving(girih_model *model, uint32_t mesh, girih_error *error) {
     uint32_t source = model->mesh_source[mesh];
     if (model->pose->mesh_nodes[source] == GIRIH_GLTF_NO_NODE) {
         return GIRIH_OK;
@@ -105,8 +104,7 @@ girih_result girih_model_begin_moving(girih_model *model, uint32_t mesh, const u
     moving->vertices = malloc(((size_t)prepared->vertex_count * 6 + 1) * sizeof(float));
     if (moving->vertices == NULL ||
         !girih_deformer_create(&moving->deformer, &model->pose->meshes[source],
-                               sources != NULL ? sources : prepared->vertex_source,
-                               prepared->vertex_count)) {
+                               model->vertex_sources[mesh], prepared->vertex_count)) {
         return no_memory(error);
     }
     moving->now.positions = moving->vertices;

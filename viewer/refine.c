@@ -1,7 +1,5 @@
 // girih refine: a refined model as a .glb.
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "commands.h"
 #include "error.h"
@@ -9,6 +7,8 @@
 #include "girih/cpu.h"
 #include "output_file.h"
 #include "own_surface.h"
+#include "places.h"
+#include "refined_model.h"
 #include "refinement.h"
 #include "weld.h"
 
@@ -104,6 +104,8 @@ typedef struct session {
     uint32_t instance_count;
     girih_frame frame;
     girih_cpu_output output; // whoever made it
+    bool has_places;         // of joints and morph targets
+    girih_places places;
     girih_mode mode;         // of the output
     char device[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
     uint32_t validation_messages;
@@ -122,9 +124,19 @@ static void free_output(session *s) {
         free(s->output.positions);
         free(s->output.attributes);
         free(s->output.indices);
+        free(s->output.sources);
         free(s->output.material_first);
     }
     s->output = (girih_cpu_output){0};
+}
+
+// What joints and morph targets need: triangles that share no vertices, which are welded later.
+static girih_mode wanted_mode(const session *s) {
+    return s->has_places ? GIRIH_MODE_BAKED : s->options->mode;
+}
+
+static uint32_t place_outputs(const session *s) {
+    return s->has_places ? GIRIH_OUTPUT_SOURCES : 0;
 }
 
 static girih_result refine_on_cpu(session *s, girih_error *error) {
@@ -135,8 +147,8 @@ static girih_result refine_on_cpu(session *s, girih_error *error) {
         .instances = s->instances,
         .instance_count = s->instance_count,
         .surface = s->options->surface.surface,
-        .mode = s->options->mode,
-        .outputs = GIRIH_OUTPUT_INDICES,
+        .mode = wanted_mode(s),
+        .outputs = GIRIH_OUTPUT_INDICES | place_outputs(s),
         .max_segments = girih_segments_beyond(s->catalogue.catalogue, &s->options->levels),
         .own = girih_displacement_surface,
         .own_user = &s->own.displacement,
@@ -165,8 +177,9 @@ static girih_result read_output(session *s, girih_device *device, const girih_pl
     output->positions = malloc(vertices * 12 + 1);
     output->attributes = malloc(vertices * floats * 4 + 1);
     output->indices = malloc(triangles * 12 + 1);
+    output->sources = s->has_places ? malloc(triangles * 8 + 1) : NULL;
     if (output->material_first == NULL || output->positions == NULL || output->attributes == NULL ||
-        output->indices == NULL) {
+        output->indices == NULL || (s->has_places && output->sources == NULL)) {
         return no_memory(error);
     }
     for (uint32_t n = 0; n < output->material_count; n++) {
@@ -184,6 +197,10 @@ static girih_result read_output(session *s, girih_device *device, const girih_pl
     if (result == GIRIH_OK) {
         result =
             girih_device_read(device, &buffers.indices, triangles * 12, output->indices, error);
+    }
+    if (result == GIRIH_OK && s->has_places) {
+        result =
+            girih_device_read(device, &buffers.sources, triangles * 8, output->sources, error);
     }
     return result;
 }
@@ -218,8 +235,8 @@ static girih_result refine_on_device(session *s, girih_error *error) {
             .instance_count = s->instance_count,
             .surface = s->options->surface.surface,
             .program = s->own.program,
-            .mode = s->options->mode,
-            .outputs = GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_NO_DRAW,
+            .mode = wanted_mode(s),
+            .outputs = GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_NO_DRAW | place_outputs(s),
             .max_segments = girih_segments_beyond(s->catalogue.catalogue, &s->options->levels),
             .vertex_usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
             .index_usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
@@ -240,224 +257,7 @@ static girih_result refine_on_device(session *s, girih_error *error) {
     return result;
 }
 
-// --- From the output back to primitives ---
-
-// One primitive's arrays, as girih_gltf_write wants them.
-typedef struct primitive_arrays {
-    float *positions, *normals;
-    float **attributes;
-    uint32_t *indices;
-} primitive_arrays;
-
-// The triangles of a primitive with the vertices they use, in the order of first use.
-typedef struct used_vertices {
-    const girih_cpu_output *output;
-    uint32_t first_triangle, triangle_count;
-    uint32_t *vertices; // [count] output vertices
-    uint32_t count;
-} used_vertices;
-
-// What glTF asks of attributes that interpolation does not keep: tangents of unit length with a
-// sign, colours in [0, 1].
-static void mend_attribute(const char *name, uint32_t components, float *value) {
-    if (strcmp(name, "TANGENT") == 0 && components == 4) {
-        float length = sqrtf(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
-        for (int n = 0; n < 3; n++) {
-            value[n] = length > 0.0f ? value[n] / length : (n == 0 ? 1.0f : 0.0f);
-        }
-        value[3] = value[3] < 0.0f ? -1.0f : 1.0f;
-    } else if (strncmp(name, "COLOR_", 6) == 0) {
-        for (uint32_t n = 0; n < components; n++) {
-            value[n] = value[n] < 0.0f ? 0.0f : value[n] > 1.0f ? 1.0f : value[n];
-        }
-    }
-}
-
-static uint32_t attribute_first(const girih_model *model, const char *name) {
-    uint32_t n = 0;
-    while (strcmp(model->attributes[n].name, name) != 0) {
-        n++;
-    }
-    return model->attributes[n].first;
-}
-
-static float *gather_positions(const used_vertices *used) {
-    float *to = malloc((size_t)used->count * 12 + 1);
-    for (uint32_t v = 0; v < used->count && to != NULL; v++) {
-        memcpy(to + 3 * (size_t)v, used->output->positions + 3 * (size_t)used->vertices[v], 12);
-    }
-    return to;
-}
-
-static float *gather_normals(const used_vertices *used) {
-    float *to = malloc((size_t)used->count * 12 + 1);
-    size_t stride = 3 + used->output->attribute_floats;
-    for (uint32_t v = 0; v < used->count && to != NULL; v++) {
-        float *normal = to + 3 * (size_t)v;
-        memcpy(normal, used->output->attributes + stride * used->vertices[v], 12);
-        // A triangle without area may have none, but glTF wants unit vectors.
-        if (normal[0] == 0.0f && normal[1] == 0.0f && normal[2] == 0.0f) {
-            normal[2] = 1.0f;
-        }
-    }
-    return to;
-}
-
-static float *gather_attribute(const used_vertices *used, const girih_model *model,
-                               const girih_gltf_attribute *attribute) {
-    float *to = malloc((size_t)used->count * attribute->components * sizeof(float) + 1);
-    size_t stride = 3 + used->output->attribute_floats;
-    size_t first = 3 + attribute_first(model, attribute->name);
-    for (uint32_t v = 0; v < used->count && to != NULL; v++) {
-        float *value = to + (size_t)v * attribute->components;
-        memcpy(value, used->output->attributes + stride * used->vertices[v] + first,
-               attribute->components * sizeof(float));
-        mend_attribute(attribute->name, attribute->components, value);
-    }
-    return to;
-}
-
-// number: output vertex -> vertex of the primitive, UINT32_MAX where it has none yet. No vertex is
-// shared between primitives, so it serves for all of them.
-static girih_result fill_primitive(const session *s, const girih_gltf_primitive *source,
-                                   uint32_t material, uint32_t *number, primitive_arrays *arrays,
-                                   girih_gltf_refined_primitive *refined, girih_error *error) {
-    const girih_cpu_output *output = &s->output;
-    used_vertices used = {.output = output};
-    if (material < output->material_count) {
-        used.first_triangle = output->material_first[material];
-        used.triangle_count = output->material_first[material + 1] - used.first_triangle;
-    }
-    size_t index_count = 3 * (size_t)used.triangle_count;
-    if (index_count > UINT32_MAX) {
-        return girih_fail(
-            error, GIRIH_ERROR_TOO_LARGE,
-            "%u triangles in one primitive are more than glTF counts; ask for fewer segments",
-            used.triangle_count);
-    }
-    const uint32_t *from = output->indices + 3 * (size_t)used.first_triangle;
-    arrays->indices = malloc(index_count * 4 + 1);
-    arrays->attributes = calloc((size_t)source->attribute_count + 1, sizeof *arrays->attributes);
-    if (arrays->indices == NULL || arrays->attributes == NULL) {
-        return no_memory(error);
-    }
-    for (size_t n = 0; n < index_count; n++) {
-        if (number[from[n]] == UINT32_MAX) {
-            number[from[n]] = used.count++;
-        }
-        arrays->indices[n] = number[from[n]];
-    }
-    used.vertices = malloc((size_t)used.count * 4 + 1);
-    if (used.vertices == NULL) {
-        return no_memory(error);
-    }
-    for (size_t n = 0; n < index_count; n++) {
-        used.vertices[arrays->indices[n]] = from[n];
-    }
-    bool has_normals = source->normals != NULL || s->options->surface.surface != GIRIH_SURFACE_FLAT;
-    arrays->positions = gather_positions(&used);
-    arrays->normals = has_normals ? gather_normals(&used) : NULL;
-    bool is_short = arrays->positions == NULL || (has_normals && arrays->normals == NULL);
-    for (uint32_t n = 0; n < source->attribute_count; n++) {
-        arrays->attributes[n] = gather_attribute(&used, &s->model, &source->attributes[n]);
-        is_short |= arrays->attributes[n] == NULL;
-    }
-    free(used.vertices);
-    *refined = (girih_gltf_refined_primitive){
-        .vertex_count = used.count,
-        .positions = arrays->positions,
-        .normals = arrays->normals,
-        .attributes = (const float *const *)arrays->attributes,
-        .index_count = (uint32_t)index_count,
-        .indices = arrays->indices,
-    };
-    return is_short ? no_memory(error) : GIRIH_OK;
-}
-
-static void free_arrays(const girih_gltf_contents *contents, primitive_arrays *arrays) {
-    size_t at = 0;
-    for (uint32_t m = 0; m < contents->mesh_count; m++) {
-        for (uint32_t n = 0; n < contents->meshes[m].primitive_count; n++, at++) {
-            for (uint32_t a = 0; a < contents->meshes[m].primitives[n].attribute_count; a++) {
-                free(arrays[at].attributes != NULL ? arrays[at].attributes[a] : NULL);
-            }
-            free(arrays[at].attributes);
-            free(arrays[at].positions);
-            free(arrays[at].normals);
-            free(arrays[at].indices);
-        }
-    }
-    free(arrays);
-}
-
-static girih_result fill_primitives(session *s, primitive_arrays *arrays,
-                                    girih_gltf_refined_primitive *refined,
-                                    const girih_gltf_refined_primitive **meshes,
-                                    girih_error *error) {
-    const girih_gltf_contents *contents = s->model.contents;
-    size_t vertices = (size_t)s->output.statistics.output_vertices;
-    uint32_t *number = malloc(vertices * 4 + 1);
-    if (number == NULL) {
-        return no_memory(error);
-    }
-    memset(number, 0xff, vertices * 4);
-    girih_result result = GIRIH_OK;
-    uint32_t at = 0;
-    for (uint32_t m = 0; m < contents->mesh_count; m++) {
-        meshes[m] = refined + at;
-        for (uint32_t n = 0; n < contents->meshes[m].primitive_count && result == GIRIH_OK;
-             n++, at++) {
-            result = fill_primitive(s, &contents->meshes[m].primitives[n], at, number, &arrays[at],
-                                    &refined[at], error);
-        }
-    }
-    free(number);
-    return result;
-}
-
-static girih_result write_model(session *s, girih_error *error) {
-    const girih_gltf_contents *contents = s->model.contents;
-    size_t primitive_count = 0;
-    for (uint32_t m = 0; m < contents->mesh_count; m++) {
-        primitive_count += contents->meshes[m].primitive_count;
-    }
-    primitive_arrays *arrays = calloc(primitive_count + 1, sizeof *arrays);
-    girih_gltf_refined_primitive *refined = calloc(primitive_count + 1, sizeof *refined);
-    const girih_gltf_refined_primitive **meshes =
-        calloc((size_t)contents->mesh_count + 1, sizeof *meshes);
-    girih_result result = arrays == NULL || refined == NULL || meshes == NULL
-                              ? no_memory(error)
-                              : fill_primitives(s, arrays, refined, meshes, error);
-    free_output(s);
-    if (result == GIRIH_OK) {
-        girih_report_progress("writing");
-        char message[sizeof error->message];
-        if (!girih_gltf_write(s->model.file, meshes, s->options->output, message, sizeof message)) {
-            result = girih_fail(error, GIRIH_ERROR_INVALID_DATA, "%s", message);
-        }
-        girih_report_progress(NULL);
-    }
-    if (arrays != NULL) {
-        free_arrays(contents, arrays);
-    }
-    free(refined);
-    free(meshes);
-    return result;
-}
-
 // --- The command ---
-
-static void warn_of_losses(const session *s) {
-    const girih_gltf_contents *contents = s->model.contents;
-    if (contents->animation_count + contents->skin_count + contents->morph_target_count != 0) {
-        char text[160];
-        snprintf(
-            text, sizeof text,
-            "%u animations, %u skins and %u morph targets are left out; the bind pose is written",
-            contents->animation_count, contents->skin_count, contents->morph_target_count);
-        girih_report_warning(s->options->model, text);
-    }
-}
 
 static girih_result make_model(session *s, girih_error *error) {
     const refine_options *options = s->options;
@@ -472,7 +272,12 @@ static girih_result make_model(session *s, girih_error *error) {
                                   NULL, error);
     }
     if (result == GIRIH_OK) {
-        warn_of_losses(s);
+        if (girih_places_are_needed(s->model.contents)) {
+            s->has_places = true;
+            result = girih_places_prepare(&s->places, &s->model, error);
+        }
+    }
+    if (result == GIRIH_OK) {
         result = girih_model_instances(&s->model, false, &s->instances, &s->instance_count, error);
     }
     if (result == GIRIH_OK) {
@@ -486,12 +291,35 @@ static girih_result make_model(session *s, girih_error *error) {
     if (result == GIRIH_OK) {
         result = options->device.cpu ? refine_on_cpu(s, error) : refine_on_device(s, error);
     }
-    if (result == GIRIH_OK && options->mode == GIRIH_MODE_WELDED && s->mode != GIRIH_MODE_WELDED) {
+    const bool welds = options->mode == GIRIH_MODE_WELDED && s->mode != GIRIH_MODE_WELDED;
+    if (result == GIRIH_OK && s->has_places) {
         girih_report_progress("welding");
-        const char *reason = girih_weld(&s->output);
+        result = girih_places_find(&s->places, &s->model, &s->output, welds, error);
+    } else if (result == GIRIH_OK && welds) {
+        girih_report_progress("welding");
+        const char *reason = girih_weld(&s->output, NULL, NULL);
         result =
             reason == NULL ? GIRIH_OK : girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "%s", reason);
     }
+    girih_report_progress(NULL);
+    return result;
+}
+
+static girih_result write_model(session *s, girih_error *error) {
+    const girih_surface_options *surface = &s->options->surface;
+    girih_refined_model refined;
+    girih_report_progress("writing");
+    girih_result result = girih_refined_model_make(
+        &refined, &s->model, s->has_places ? &s->places : NULL,
+        surface->surface == GIRIH_SURFACE_OWN ? surface->base : surface->surface,
+        surface->surface != GIRIH_SURFACE_FLAT, &s->output, error);
+    free_output(s);
+    girih_places_free(&s->places);
+    if (result == GIRIH_OK) {
+        result =
+            girih_refined_model_write(&refined, s->options->model, s->options->output, error);
+    }
+    girih_refined_model_free(&refined);
     girih_report_progress(NULL);
     return result;
 }
@@ -509,6 +337,7 @@ int girih_command_refine(int argc, char **argv) {
         s.file = options.output;
     }
     free_output(&s);
+    girih_places_free(&s.places);
     girih_own_surface_free(&s.own);
     free(s.instances);
     girih_model_free(&s.model);

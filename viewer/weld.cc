@@ -1,7 +1,6 @@
 #include "weld.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <exception>
 #include <numeric>
@@ -15,22 +14,24 @@ namespace {
 constexpr size_t most_streams = 16;
 constexpr size_t most_stream_bytes = 256;
 
-// One of an output's arrays of vertices.
+// An array with an element for every vertex.
 struct Vertices {
     unsigned char *bytes;
-    size_t size; // of a vertex
+    size_t size; // of an element
 };
 
-std::array<Vertices, 2> get_arrays(const girih_cpu_output &output) {
-    return {{{reinterpret_cast<unsigned char *>(output.positions), 3 * sizeof(float)},
-             {reinterpret_cast<unsigned char *>(output.attributes),
-              (size_t{3} + output.attribute_floats) * sizeof(float)}}};
+using Arrays = std::vector<Vertices>;
+
+Arrays get_arrays(const girih_cpu_output &output) {
+    return {{reinterpret_cast<unsigned char *>(output.positions), 3 * sizeof(float)},
+            {reinterpret_cast<unsigned char *>(output.attributes),
+             (size_t{3} + output.attribute_floats) * sizeof(float)}};
 }
 
 // The vertices from `first` on, cut into what meshoptimizer takes.
-std::vector<meshopt_Stream> make_streams(const girih_cpu_output &output, size_t first) {
+std::vector<meshopt_Stream> make_streams(const Arrays &arrays, size_t first) {
     std::vector<meshopt_Stream> streams;
-    for (const Vertices &array : get_arrays(output)) {
+    for (const Vertices &array : arrays) {
         for (size_t at = 0; at < array.size; at += most_stream_bytes) {
             streams.push_back({array.bytes + first * array.size + at,
                                std::min(array.size - at, most_stream_bytes), array.size});
@@ -39,7 +40,8 @@ std::vector<meshopt_Stream> make_streams(const girih_cpu_output &output, size_t 
     return streams;
 }
 
-void weld(girih_cpu_output &output) {
+// Vertices are the same where `compared` are; `moved` follow them.
+void weld(girih_cpu_output &output, const Arrays &compared, const Arrays &moved) {
     std::vector<unsigned int> remap, order;
     // Vertices of the materials before, as they were and as they are: baked, they stand in the
     // order of the materials.
@@ -57,11 +59,16 @@ void weld(girih_cpu_output &output) {
         // filled up to triangles.
         order.assign((count + 2) / 3 * 3, 0);
         std::iota(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), 0u);
-        const std::vector<meshopt_Stream> streams = make_streams(output, from);
+        const std::vector<meshopt_Stream> streams = make_streams(compared, from);
         const size_t welded = meshopt_generateVertexRemapMulti(
             remap.data(), order.data(), order.size(), count, streams.data(), streams.size());
-        for (const Vertices &array : get_arrays(output)) {
-            for (size_t n = 0; n < count; ++n) {
+        std::vector<bool> is_moved(welded, false);
+        for (size_t n = 0; n < count; ++n) {
+            if (is_moved[remap[n]]) {
+                continue; // the first of the same stands for all
+            }
+            is_moved[remap[n]] = true;
+            for (const Vertices &array : moved) {
                 std::memmove(array.bytes + (to + remap[n]) * array.size,
                              array.bytes + (from + n) * array.size, array.size);
             }
@@ -77,12 +84,22 @@ void weld(girih_cpu_output &output) {
 
 } // namespace
 
-const char *girih_weld(girih_cpu_output *output) {
+const char *girih_weld(girih_cpu_output *output, const uint32_t (*keys)[GIRIH_WELD_KEY_WORDS],
+                       uint32_t *triangles) {
     try {
-        if (make_streams(*output, 0).size() > most_streams) {
+        Arrays moved = get_arrays(*output);
+        Arrays compared = moved;
+        if (keys != nullptr) {
+            compared = {{reinterpret_cast<unsigned char *>(const_cast<uint32_t(*)[GIRIH_WELD_KEY_WORDS]>(keys)),
+                         sizeof *keys}};
+        }
+        if (triangles != nullptr) {
+            moved.push_back({reinterpret_cast<unsigned char *>(triangles), sizeof *triangles});
+        }
+        if (make_streams(compared, 0).size() > most_streams) {
             return "too many attributes to weld vertices; use --mode baked";
         }
-        weld(*output);
+        weld(*output, compared, moved);
     } catch (const std::exception &) {
         return "out of memory; ask for fewer segments";
     }

@@ -8,9 +8,14 @@
 extern "C" {
 #endif
 
-// Welds a baked output in place: vertices of one material whose position, normal and attributes
-// have the same bits become one. Triangles stay in their order. Returns NULL, or why it could not.
-const char *girih_weld(girih_cpu_output *output);
+#define GIRIH_WELD_KEY_WORDS 5
+
+// Welds a baked output in place: vertices of one material become one, the first of them, where
+// their keys [output_vertices] are equal; where keys is NULL, where position, normal and attributes
+// have the same bits. Triangles stay in their order; triangles [output_vertices], a word of each
+// vertex, which may be NULL, goes with the vertices. Returns NULL, or why it could not.
+const char *girih_weld(girih_cpu_output *output, const uint32_t (*keys)[GIRIH_WELD_KEY_WORDS],
+                       uint32_t *triangles);
 
 #ifdef __cplusplus
 }
