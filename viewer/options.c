@@ -4,7 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "output_file.h"
 #include "report.h"
 
 enum {
@@ -109,6 +111,18 @@ void girih_option_model(struct argp_state *state, const char **model, const char
         argp_error(state, "one MODEL only, '%s' is too many", text);
     }
     *model = text;
+}
+
+void girih_option_output(struct argp_state *state, const char *output, bool json) {
+    if (!girih_output_is_standard(output)) {
+        return;
+    }
+    if (json) {
+        argp_error(state, "-o - and --json both want standard output");
+    }
+    if (isatty(STDOUT_FILENO)) {
+        argp_error(state, "-o -: standard output is a terminal; send it into a file or a pipe");
+    }
 }
 
 void girih_option_models(struct argp_state *state, const char ***models, uint32_t *model_count,

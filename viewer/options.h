@@ -89,6 +89,10 @@ const char *girih_mode_name(girih_mode mode);
 void girih_option_surface_on_cpu(struct argp_state *state, const girih_surface_options *surface,
                                  const girih_device_options *device);
 
+// Refuses an -o FILE that is standard output together with --json, and where that is a terminal; to
+// be called at ARGP_KEY_END.
+void girih_option_output(struct argp_state *state, const char *output, bool json);
+
 // Takes MODEL at ARGP_KEY_ARG: one and no more.
 void girih_option_model(struct argp_state *state, const char **model, const char *text);
 

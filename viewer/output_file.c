@@ -18,11 +18,14 @@ bool girih_output_open(girih_output_file *file, const char *path, char *message,
                        size_t message_size) {
     *file = (girih_output_file){0};
     struct stat status;
-    const bool exists = stat(path, &status) == 0;
+    const bool is_standard = girih_output_is_standard(path);
+    const bool exists = !is_standard && stat(path, &status) == 0;
     // Renaming over a link would replace the link, over a device the device.
-    file->target = exists ? realpath(path, NULL) : strdup(path);
+    file->target = exists ? realpath(path, NULL) : strdup(is_standard ? "standard output" : path);
     int descriptor = -1;
-    if (file->target != NULL && exists && !S_ISREG(status.st_mode)) {
+    if (file->target != NULL && is_standard) {
+        descriptor = dup(STDOUT_FILENO);
+    } else if (file->target != NULL && exists && !S_ISREG(status.st_mode)) {
         descriptor = open(file->target, O_WRONLY | O_CLOEXEC);
     } else if (file->target != NULL) {
         const size_t size = strlen(file->target) + 32;
@@ -75,6 +78,15 @@ void girih_output_discard(girih_output_file *file) {
         unlink(file->temporary);
     }
     release(file);
+}
+
+bool girih_output_is_standard(const char *path) {
+    return strcmp(path, "-") == 0;
+}
+
+bool girih_output_replaces(const char *path) {
+    struct stat status;
+    return !girih_output_is_standard(path) && stat(path, &status) == 0 && S_ISREG(status.st_mode);
 }
 
 bool girih_output_is_same(const char *a, const char *b) {

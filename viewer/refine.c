@@ -1,5 +1,8 @@
 // girih refine: a refined model as a .glb.
+#include <errno.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
 
 #include "commands.h"
 #include "error.h"
@@ -13,25 +16,46 @@
 #include "weld.h"
 
 typedef struct refine_options {
-    const char *model, *output;
+    const char **models; // [model_count]
+    uint32_t model_count;
+    const char *output, *folder; // one of them
     girih_level_options levels;
     girih_surface_options surface;
     girih_camera_options camera;
     girih_device_options device;
     girih_mode mode;
-    bool json;
+    bool overwrites, json;
 } refine_options;
 
 // --- Options ---
 
-enum { KEY_MODE = GIRIH_KEY_OWN, KEY_JSON };
+enum { KEY_MODE = GIRIH_KEY_OWN, KEY_OUTPUT_FOLDER, KEY_OVERWRITE, KEY_JSON };
 
 static const struct argp_option own_options[] = {
-    {"output", 'o', "FILE", 0, "The .glb to write", 0},
+    {"output", 'o', "FILE", 0, "The .glb to write; - is standard output", 0},
+    {"output-folder", KEY_OUTPUT_FOLDER, "FOLDER", 0,
+     "Write every MODEL as FOLDER/NAME.glb, making the folder where it is not there", 0},
+    {"overwrite", KEY_OVERWRITE, NULL, 0, "Replace files that are there already", 0},
     {"mode", KEY_MODE, "welded|baked", 0,
      "Share vertices between triangles (welded, the default), or not", 0},
     {"json", KEY_JSON, NULL, 0, "Print one JSON object with counts and times", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
+
+static void check_output(struct argp_state *state, const refine_options *options) {
+    if (options->output == NULL && options->folder == NULL) {
+        argp_error(state, "no -o FILE to write to");
+    }
+    if (options->output != NULL && options->folder != NULL) {
+        argp_error(state, "-o and --output-folder: one is all there can be");
+    }
+    if (options->output != NULL && options->model_count > 1) {
+        argp_error(state, "-o is one file, and there are %u MODELs; use --output-folder FOLDER",
+                   options->model_count);
+    }
+    if (options->output != NULL) {
+        girih_option_output(state, options->output, options->json);
+    }
+}
 
 static error_t parse(int key, char *argument, struct argp_state *state) {
     refine_options *options = state->input;
@@ -44,6 +68,12 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         return 0;
     case 'o':
         options->output = argument;
+        return 0;
+    case KEY_OUTPUT_FOLDER:
+        options->folder = argument;
+        return 0;
+    case KEY_OVERWRITE:
+        options->overwrites = true;
         return 0;
     case KEY_MODE: {
         girih_mode_option mode = girih_option_mode(state, argument);
@@ -59,15 +89,13 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         options->json = true;
         return 0;
     case ARGP_KEY_ARG:
-        girih_option_model(state, &options->model, argument);
+        girih_option_models(state, &options->models, &options->model_count, argument);
         return 0;
     case ARGP_KEY_NO_ARGS:
         argp_error(state, "no MODEL");
         return 0;
     case ARGP_KEY_END:
-        if (options->output == NULL) {
-            argp_error(state, "no -o FILE to write to");
-        }
+        check_output(state, options);
         girih_option_surface_on_cpu(state, &options->surface, &options->device);
         return 0;
     default:
@@ -78,7 +106,7 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
 static const struct argp refine_argp = {
     own_options,
     parse,
-    "MODEL -o OUT.glb",
+    "MODEL -o OUT.glb\nMODEL... --output-folder FOLDER",
     "Writes MODEL (.gltf or .glb) with its triangles refined: nodes, materials, textures and every "
     "vertex attribute "
     "are kept; skins, morph targets and animations are left out. Nothing is culled. --edge-pixels "
@@ -86,6 +114,8 @@ static const struct argp refine_argp = {
     "where it stands in its own space."
     "\vExamples:\n"
     "  girih refine spot.glb --segments 4 -o fine.glb\n"
+    "  girih refine models/*.glb --segments 4 --output-folder fine\n"
+    "  girih refine spot.glb --segments 4 -o - | gzip > fine.glb.gz\n"
     "  girih refine spot.glb --segments random:7:16 --surface flat -o uneven.glb\n"
     "  girih refine spot.glb --edge-length 0.02 --catalogue linear --cpu --json -o even.glb\n",
     girih_option_children,
@@ -94,10 +124,21 @@ static const struct argp refine_argp = {
 
 // --- Refining ---
 
+// What serves one model after another.
+typedef struct refiner {
+    girih_catalogue_source catalogue;
+    bool is_open; // the device
+    girih_device device;
+    girih_context *context;
+    char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
+} refiner;
+
+// The refining of one model.
 typedef struct session {
     const refine_options *options;
+    refiner *machine;
+    const char *input, *output_name;
     const char *file; // that a failure is about
-    girih_catalogue_source catalogue;
     girih_model model;
     girih_own_surface own; // GIRIH_SURFACE_OWN
     girih_instance *instances;
@@ -106,9 +147,7 @@ typedef struct session {
     girih_cpu_output output; // whoever made it
     bool has_places;         // of joints and morph targets
     girih_places places;
-    girih_mode mode;         // of the output
-    char device[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
-    uint32_t validation_messages;
+    girih_mode mode; // of the output
     girih_stage_times times;
 } session;
 
@@ -141,7 +180,7 @@ static uint32_t place_outputs(const session *s) {
 
 static girih_result refine_on_cpu(session *s, girih_error *error) {
     girih_cpu_desc desc = {
-        .catalogue = s->catalogue.catalogue,
+        .catalogue = s->machine->catalogue.catalogue,
         .meshes = s->model.meshes,
         .mesh_count = s->model.mesh_count,
         .instances = s->instances,
@@ -149,13 +188,12 @@ static girih_result refine_on_cpu(session *s, girih_error *error) {
         .surface = s->options->surface.surface,
         .mode = wanted_mode(s),
         .outputs = GIRIH_OUTPUT_INDICES | place_outputs(s),
-        .max_segments = girih_segments_beyond(s->catalogue.catalogue, &s->options->levels),
+        .max_segments = girih_segments_beyond(s->machine->catalogue.catalogue, &s->options->levels),
         .own = girih_displacement_surface,
         .own_user = &s->own.displacement,
         .base = s->options->surface.base,
         .reach = s->own.reach,
     };
-    snprintf(s->device, sizeof s->device, "CPU");
     girih_result result =
         girih_refinement_run_on_cpu(&desc, &s->frame, &s->output, &s->times, error);
     s->mode = desc.mode;
@@ -199,36 +237,26 @@ static girih_result read_output(session *s, girih_device *device, const girih_pl
             girih_device_read(device, &buffers.indices, triangles * 12, output->indices, error);
     }
     if (result == GIRIH_OK && s->has_places) {
-        result =
-            girih_device_read(device, &buffers.sources, triangles * 8, output->sources, error);
+        result = girih_device_read(device, &buffers.sources, triangles * 8, output->sources, error);
     }
     return result;
 }
 
 static girih_result refine_on_device(session *s, girih_error *error) {
-    girih_device device;
-    girih_context *context = NULL;
+    girih_device *device = &s->machine->device;
+    girih_context *context = s->machine->context;
     girih_scene *scene = NULL;
     girih_refinement refinement = {0};
-    girih_result result =
-        girih_device_open(&device, &s->options->device, &(girih_device_wishes){0}, error);
-    if (result != GIRIH_OK) {
-        return result;
-    }
-    snprintf(s->device, sizeof s->device, "%s", device.properties.deviceName);
-    result = girih_device_context(&device, s->catalogue.catalogue, &context, error);
-    if (result == GIRIH_OK) {
-        result = girih_refinement_scene(&device, context, s->model.meshes, s->model.mesh_count,
-                                        &scene, error);
-    }
+    girih_result result = girih_refinement_scene(device, context, s->model.meshes,
+                                                 s->model.mesh_count, &scene, error);
     if (result == GIRIH_OK && s->options->surface.surface == GIRIH_SURFACE_OWN) {
-        result = girih_own_surface_upload(&s->own, &device, context, false, error);
+        result = girih_own_surface_upload(&s->own, device, context, false, error);
         s->frame.surface_set = s->own.set;
         s->file = result == GIRIH_OK ? s->file : NULL; // the message names what it is about
     }
     if (result == GIRIH_OK) {
         girih_refinement_desc desc = {
-            .device = &device,
+            .device = device,
             .context = context,
             .scene = scene,
             .instances = s->instances,
@@ -237,7 +265,8 @@ static girih_result refine_on_device(session *s, girih_error *error) {
             .program = s->own.program,
             .mode = wanted_mode(s),
             .outputs = GIRIH_OUTPUT_INDICES | GIRIH_OUTPUT_NO_DRAW | place_outputs(s),
-            .max_segments = girih_segments_beyond(s->catalogue.catalogue, &s->options->levels),
+            .max_segments =
+                girih_segments_beyond(s->machine->catalogue.catalogue, &s->options->levels),
             .vertex_usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
             .index_usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
         };
@@ -246,14 +275,11 @@ static girih_result refine_on_device(session *s, girih_error *error) {
     if (result == GIRIH_OK) {
         s->times = refinement.times;
         s->mode = refinement.mode;
-        result = read_output(s, &device, refinement.plan, error);
+        result = read_output(s, device, refinement.plan, error);
     }
     girih_plan_destroy(refinement.plan);
-    girih_own_surface_remove(&s->own, &device);
+    girih_own_surface_remove(&s->own, device);
     girih_scene_destroy(scene);
-    girih_context_destroy(context);
-    girih_device_close(&device);
-    s->validation_messages = device.validation_messages;
     return result;
 }
 
@@ -261,16 +287,17 @@ static girih_result refine_on_device(session *s, girih_error *error) {
 
 static girih_result make_model(session *s, girih_error *error) {
     const refine_options *options = s->options;
-    if (girih_output_is_same(options->model, options->output)) {
+    if (girih_output_is_same(s->input, s->output_name)) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
                           "is the input; write to another file");
     }
-    girih_result result =
-        girih_catalogue_source_open(&s->catalogue, options->surface.catalogue, error);
-    if (result == GIRIH_OK) {
-        result = girih_model_load(&s->model, options->model, GIRIH_MODEL_REFINE, &options->surface,
-                                  NULL, error);
+    if (!options->overwrites && girih_output_replaces(s->output_name)) {
+        s->file = s->output_name;
+        return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
+                          "is there already; --overwrite replaces it");
     }
+    girih_result result =
+        girih_model_load(&s->model, s->input, GIRIH_MODEL_REFINE, &options->surface, NULL, error);
     if (result == GIRIH_OK) {
         if (girih_places_are_needed(s->model.contents)) {
             s->has_places = true;
@@ -281,7 +308,7 @@ static girih_result make_model(session *s, girih_error *error) {
         result = girih_model_instances(&s->model, false, &s->instances, &s->instance_count, error);
     }
     if (result == GIRIH_OK) {
-        result = girih_own_surface_load(&s->own, options->model, &options->surface, &s->model,
+        result = girih_own_surface_load(&s->own, s->input, &options->surface, &s->model,
                                         s->instances, s->instance_count, error);
     }
     if (result == GIRIH_OK) {
@@ -316,47 +343,180 @@ static girih_result write_model(session *s, girih_error *error) {
     free_output(s);
     girih_places_free(&s->places);
     if (result == GIRIH_OK) {
-        result =
-            girih_refined_model_write(&refined, s->options->model, s->options->output, error);
+        result = girih_refined_model_write(&refined, s->input, s->output_name, error);
     }
     girih_refined_model_free(&refined);
     girih_report_progress(NULL);
     return result;
 }
 
-int girih_command_refine(int argc, char **argv) {
-    refine_options options = {.mode = GIRIH_MODE_WELDED};
-    girih_options_parse(&refine_argp, argc, argv, &options);
-    session s = {.options = &options, .file = options.model};
+// Refines one model; what --json prints goes into *json. Returns an exit code.
+static int refine_file(const refine_options *options, refiner *machine, const char *input,
+                       const char *output, json_t **json) {
+    session s = {.options = options,
+                 .machine = machine,
+                 .input = input,
+                 .output_name = output,
+                 .file = input};
     girih_error error = {.result = GIRIH_OK};
     girih_result result = make_model(&s, &error);
     girih_statistics statistics = s.output.statistics;
     if (result == GIRIH_OK) {
         girih_model_free_meshes(&s.model);
         result = write_model(&s, &error);
-        s.file = options.output;
+        s.file = output;
     }
     free_output(&s);
     girih_places_free(&s.places);
     girih_own_surface_free(&s.own);
     free(s.instances);
     girih_model_free(&s.model);
-    girih_catalogue_source_free(&s.catalogue);
     if (result != GIRIH_OK) {
         return girih_report_failure(s.file, error.message);
     }
-    int code = GIRIH_EXIT_DONE;
-    const char *mode = girih_mode_name(options.mode);
-    if (options.json) {
-        json_t *report = girih_report_json(s.device, mode, &statistics, &s.times);
-        if (report != NULL &&
-            json_object_set_new(report, "output", json_string(options.output)) != 0) {
-            json_decref(report);
-            report = NULL;
+    const char *mode = girih_mode_name(options->mode);
+    if (options->json) {
+        *json = girih_report_json(machine->name, mode, &statistics, &s.times);
+        if (*json == NULL || json_object_set_new(*json, "output", json_string(output)) != 0) {
+            return girih_report_failure(input, "out of memory for the report");
         }
-        code = girih_report_print(report);
     } else {
-        girih_report_text(s.device, mode, &statistics, &s.times);
+        if (options->model_count > 1) {
+            girih_report_progress(NULL);
+            fprintf(stderr, "%s -> %s\n", input, output);
+        }
+        girih_report_text(machine->name, mode, &statistics, &s.times);
     }
-    return s.validation_messages != 0 ? GIRIH_EXIT_FAILED : code;
+    return GIRIH_EXIT_DONE;
+}
+
+static girih_result open_machine(refiner *machine, const refine_options *options,
+                                 girih_error *error) {
+    girih_result result =
+        girih_catalogue_source_open(&machine->catalogue, options->surface.catalogue, error);
+    if (result != GIRIH_OK) {
+        return result;
+    }
+    if (options->device.cpu) {
+        snprintf(machine->name, sizeof machine->name, "CPU");
+        return GIRIH_OK;
+    }
+    result =
+        girih_device_open(&machine->device, &options->device, &(girih_device_wishes){0}, error);
+    if (result != GIRIH_OK) {
+        return result;
+    }
+    machine->is_open = true;
+    snprintf(machine->name, sizeof machine->name, "%s", machine->device.properties.deviceName);
+    return girih_device_context(&machine->device, machine->catalogue.catalogue, &machine->context,
+                                error);
+}
+
+static void close_machine(refiner *machine) {
+    if (machine->is_open) {
+        girih_context_destroy(machine->context);
+        girih_device_close(&machine->device);
+    }
+    girih_catalogue_source_free(&machine->catalogue);
+}
+
+// FOLDER/NAME.glb of a model; NULL where memory ran out.
+static char *output_in_folder(const char *folder, const char *model) {
+    const char *slash = strrchr(model, '/');
+    const char *name = slash != NULL ? slash + 1 : model;
+    const char *dot = strrchr(name, '.');
+    size_t length = dot != NULL && dot != name ? (size_t)(dot - name) : strlen(name);
+    size_t size = strlen(folder) + length + sizeof "/.glb";
+    char *path = malloc(size);
+    if (path != NULL) {
+        snprintf(path, size, "%s/%.*s.glb", folder, (int)length, name);
+    }
+    return path;
+}
+
+static void free_outputs(char **outputs, uint32_t count) {
+    for (uint32_t n = 0; outputs != NULL && n < count; n++) {
+        free(outputs[n]);
+    }
+    free(outputs);
+}
+
+// The files to write, no two of them one. Says what is wrong and returns NULL where there are none.
+static char **name_outputs(const refine_options *options) {
+    char **outputs = calloc(options->model_count, sizeof *outputs);
+    bool complete = outputs != NULL;
+    for (uint32_t n = 0; n < options->model_count && complete; n++) {
+        outputs[n] = options->folder != NULL ? output_in_folder(options->folder, options->models[n])
+                                             : strdup(options->output);
+        complete = outputs[n] != NULL;
+        for (uint32_t k = 0; k < n && complete; k++) {
+            if (strcmp(outputs[k], outputs[n]) == 0) {
+                char text[4096];
+                snprintf(text, sizeof text,
+                         "would be written to %s, as %s; refine one of them with -o", outputs[n],
+                         options->models[k]);
+                girih_report_failure(options->models[n], text);
+                free_outputs(outputs, options->model_count);
+                return NULL;
+            }
+        }
+    }
+    if (!complete) {
+        girih_report_failure(NULL, "out of memory");
+        free_outputs(outputs, options->model_count);
+        return NULL;
+    }
+    if (options->folder != NULL && mkdir(options->folder, 0777) != 0 && errno != EEXIST) {
+        girih_report_failure(options->folder, strerror(errno));
+        free_outputs(outputs, options->model_count);
+        return NULL;
+    }
+    return outputs;
+}
+
+// What fails leaves the other models to be refined.
+static int refine_files(const refine_options *options, refiner *machine, char *const *outputs) {
+    int code = GIRIH_EXIT_DONE;
+    json_t *files = json_array();
+    for (uint32_t n = 0; n < options->model_count; n++) {
+        json_t *json = NULL;
+        girih_report_file(n, options->model_count);
+        if (refine_file(options, machine, options->models[n], outputs[n], &json) !=
+            GIRIH_EXIT_DONE) {
+            code = GIRIH_EXIT_FAILED;
+        }
+        if (json != NULL) {
+            json_array_append_new(files, json);
+        }
+    }
+    // A single model that failed has no object, several have those of the others.
+    if (options->json && (options->model_count > 1 || json_array_size(files) == 1)) {
+        json_t *root = options->model_count > 1 ? json_pack("{s:O}", "files", files)
+                                                : json_incref(json_array_get(files, 0));
+        if (girih_report_print(root) != GIRIH_EXIT_DONE) {
+            code = GIRIH_EXIT_FAILED;
+        }
+    }
+    json_decref(files);
+    return code;
+}
+
+int girih_command_refine(int argc, char **argv) {
+    refine_options options = {.mode = GIRIH_MODE_WELDED};
+    girih_options_parse(&refine_argp, argc, argv, &options);
+    refiner machine = {.is_open = false};
+    girih_error error = {.result = GIRIH_OK};
+    int code = GIRIH_EXIT_FAILED;
+    char **outputs = name_outputs(&options);
+    if (outputs != NULL) {
+        if (open_machine(&machine, &options, &error) != GIRIH_OK) {
+            girih_report_failure(NULL, error.message);
+        } else {
+            code = refine_files(&options, &machine, outputs);
+        }
+    }
+    close_machine(&machine);
+    free_outputs(outputs, options.model_count);
+    free(options.models);
+    return machine.device.validation_messages != 0 ? GIRIH_EXIT_FAILED : code;
 }

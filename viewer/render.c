@@ -46,7 +46,7 @@ enum {
 };
 
 static const struct argp_option own_options[] = {
-    {"output", 'o', "FILE", 0, "The PNG to write", 0},
+    {"output", 'o', "FILE", 0, "The PNG to write; - is standard output", 0},
     {"beside-input", KEY_BESIDE_INPUT, NULL, 0,
      "Left half: the model as it is; right half: refined", 0},
     {"compare", KEY_COMPARE, "'OPTIONS' 'OPTIONS'", 0,
@@ -111,6 +111,10 @@ static void read_side(struct argp_state *state, const char *text, side_options *
 static void check_options(struct argp_state *state, render_options *options) {
     if (options->output == NULL) {
         argp_error(state, "no -o FILE to write the picture to");
+    }
+    girih_option_output(state, options->output, options->json);
+    if (options->turntable != 0 && girih_output_is_standard(options->output)) {
+        argp_error(state, "--turntable writes many files, and -o - is one");
     }
     options->side_count = 1;
     if (options->compare[0] != NULL) {
