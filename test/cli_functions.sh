@@ -15,10 +15,14 @@ fail() {
     failures=$((failures + 1))
 }
 
-# expect CODE ARGUMENT...: runs girih; its output lands in out and err.
+# expect CODE ARGUMENT...: runs girih; its output lands in out and err. refine may replace what an
+# earlier run wrote.
 expect() {
     local wanted=$1 code=0
     shift
+    if [[ ${1-} == refine ]]; then
+        set -- "$@" --overwrite
+    fi
     "$girih" "$@" >out 2>err </dev/null || code=$?
     if [[ $code -ne $wanted ]]; then
         fail "girih $*: exit code $code, not $wanted: $(head -c 400 err)"
