@@ -505,7 +505,7 @@ void check_extensions(const json &root, const warner &warn) {
     for (const json &element : root.value("extensionsUsed", json::array())) {
         const std::string name = element;
         if (understood.count(name) == 0 && harmless.count(name) == 0) {
-            warn("extension " + name + " is not known and is ignored");
+            warn("extension " + name + " is not known and has no effect here");
         }
     }
 }
