@@ -126,19 +126,19 @@ void animation_loader::load_sampler(const json &description, const girih_gltf_ch
             model_.meshes[static_cast<std::size_t>(model_.nodes[channel.node].mesh)].target_count;
         per_element = 1;
     }
+    const std::uint64_t key_count = input["count"], value_count = output["count"];
+    const std::uint64_t wanted = key_count * (components / per_element) *
+                                 (sampler.interpolation == GIRIH_GLTF_CUBIC_SPLINE ? 3 : 1);
+    if (component_count(output) != per_element || value_count != wanted) {
+        throw refusal(where + ": its " + std::to_string(key_count) + " keys need " +
+                      std::to_string(wanted) + " elements of " + std::to_string(per_element) +
+                      " components each, accessor " + std::to_string(output_index) + " has " +
+                      std::to_string(value_count) + " of " +
+                      std::to_string(component_count(output)));
+    }
     const std::vector<float> &times = accessor_values(model_, source_, input_index, false);
     // Only normalised integers are allowed; some exporters forget to say so.
     const std::vector<float> &values = accessor_values(model_, source_, output_index, true);
-    const std::size_t wanted =
-        times.size() * components * (sampler.interpolation == GIRIH_GLTF_CUBIC_SPLINE ? 3 : 1);
-    if (component_count(output) != per_element || values.size() != wanted) {
-        throw refusal(where + ": its " + std::to_string(times.size()) + " keys need " +
-                      std::to_string(wanted / per_element) + " elements of " +
-                      std::to_string(per_element) + " components each, accessor " +
-                      std::to_string(output_index) + " has " +
-                      std::to_string(output["count"].get<std::uint64_t>()) + " of " +
-                      std::to_string(component_count(output)));
-    }
     for (std::size_t k = 0; k < times.size(); k++) {
         if (!std::isfinite(times[k]) || (k > 0 && times[k] < times[k - 1])) {
             throw refusal(where + ": the time of key " + std::to_string(k) +

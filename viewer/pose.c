@@ -135,7 +135,9 @@ static bool copy_meshes(girih_pose *pose) {
         }
         girih_gltf_mesh *mesh = &pose->meshes[count];
         *mesh = file->meshes[placement->mesh];
-        memcpy(next, mesh->primitives, mesh->primitive_count * sizeof *next);
+        for (uint32_t p = 0; p < mesh->primitive_count; p++) {
+            next[p] = mesh->primitives[p];
+        }
         mesh->primitives = next;
         next += mesh->primitive_count;
         pose->mesh_nodes[count] = placement->node;
