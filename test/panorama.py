@@ -98,8 +98,8 @@ def write_ring(source, path):
         file.write(struct.pack('<4sIIII', b'glTF', 2, 20 + len(text) + len(rest), len(text), 0x4e4f534a) + text + rest)
 
 
-def read_png(path):
-    """Rows of pixels of an 8-bit RGB or RGBA PNG."""
+def read_png(path, size=3):
+    """Rows of pixels of an 8-bit RGB or RGBA PNG, 3 or 4 numbers each."""
     with open(path, 'rb') as file:
         data = file.read()
     at, packed = 8, b''
@@ -124,7 +124,7 @@ def read_png(path):
             else:
                 guess = (0, a, b, (a + b) // 2)[kind]
             line[x] = (line[x] + guess) & 255
-        rows.append([tuple(line[k:k + 3]) for k in range(0, stride, channels)])
+        rows.append([tuple(line[k:k + size]) for k in range(0, stride, channels)])
         before = line
     return rows
 

@@ -7,7 +7,7 @@
 #include "error.h"
 #include "picture.h"
 
-enum { TEXT_SIZE = 64, MOST_PATTERNS = 24 };
+enum { TEXT_SIZE = 64 };
 
 // Lines and their texts, which outlive no call.
 typedef struct draft {
@@ -36,6 +36,13 @@ static bool is_used(const girih_plan *plan, uint32_t rank) {
     return plan == NULL || girih_plan_uses_pattern(plan, rank) != 0;
 }
 
+// What a triangle's colour stands for where triangles are split.
+static void write_parts(draft *d, const girih_plan *plan) {
+    if (plan != NULL && girih_plan_statistics(plan).parts != 0) {
+        write_line(d, NULL, "(a split triangle's parts)");
+    }
+}
+
 static void draft_normals(draft *d) {
     static const char *const axes[3] = {"x", "y", "z"};
     write_line(d, NULL, "normal towards");
@@ -51,6 +58,7 @@ static void draft_normals(draft *d) {
 static void draft_levels(draft *d, const girih_catalogue *catalogue, const girih_plan *plan) {
     write_line(d, NULL, "segments of the");
     write_line(d, NULL, "finest edge");
+    write_parts(d, plan);
     for (uint32_t level = 0; level < catalogue->level_count; level++) {
         bool used = false;
         for (uint32_t rank = 0; rank < catalogue->pattern_count && !used; rank++) {
@@ -68,9 +76,11 @@ static void draft_levels(draft *d, const girih_catalogue *catalogue, const girih
 }
 
 // Where more are in use than can be shown, those shown are spread evenly over them.
-static void draft_patterns(draft *d, const girih_catalogue *catalogue, const girih_plan *plan) {
+static void draft_patterns(draft *d, const girih_catalogue *catalogue, const girih_plan *plan,
+                           uint32_t most) {
     write_line(d, NULL, "base patterns:");
     write_line(d, NULL, "segments of the edges");
+    write_parts(d, plan);
     if (plan == NULL) {
         write_line(d, NULL, "a colour each");
         return;
@@ -79,7 +89,7 @@ static void draft_patterns(draft *d, const girih_catalogue *catalogue, const gir
     for (uint32_t rank = 0; rank < catalogue->pattern_count; rank++) {
         used += is_used(plan, rank);
     }
-    uint32_t shown = used < MOST_PATTERNS ? used : MOST_PATTERNS;
+    uint32_t shown = used < most ? used : most;
     if (used > shown) {
         char text[TEXT_SIZE];
         snprintf(text, sizeof text, "%u of %u in use", shown, used);
@@ -125,8 +135,9 @@ girih_result girih_legend_add(girih_overlay *overlay, girih_shade shade,
     if (shade == GIRIH_SHADE_LIT) {
         return GIRIH_OK;
     }
-    const uint32_t others = MOST_PATTERNS + GIRIH_DENSITY_COLORS + 4;
-    const uint32_t most = others + catalogue->level_count;
+    // Two columns, so that there is a picture beside them.
+    const uint32_t most_patterns = 2 * girih_overlay_patterns(area);
+    const uint32_t most = most_patterns + catalogue->level_count + GIRIH_DENSITY_COLORS + 5;
     draft d = {.lines = malloc(most * sizeof *d.lines), .texts = malloc(most * sizeof *d.texts)};
     girih_result result = GIRIH_OK;
     if (d.lines == NULL || d.texts == NULL) {
@@ -135,7 +146,7 @@ girih_result girih_legend_add(girih_overlay *overlay, girih_shade shade,
         switch (shade) {
         case GIRIH_SHADE_NORMALS: draft_normals(&d); break;
         case GIRIH_SHADE_LEVELS: draft_levels(&d, catalogue, plan); break;
-        case GIRIH_SHADE_PATTERNS: draft_patterns(&d, catalogue, plan); break;
+        case GIRIH_SHADE_PATTERNS: draft_patterns(&d, catalogue, plan, most_patterns); break;
         default: draft_density(&d); break;
         }
         const girih_overlay_text text = {.lines = d.lines,

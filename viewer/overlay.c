@@ -39,6 +39,20 @@ static void find_line(const girih_overlay_text *text, const layout *l, uint32_t 
     }
 }
 
+static layout begin_layout(const girih_rectangle *area) {
+    double letter = fmin(fmax(round((double)area->height / 46.0), 11.0), 30.0);
+    return (layout){.letter = letter,
+                    .line = round(1.4 * letter),
+                    .pattern = round(2.9 * letter),
+                    .margin = round(0.6 * letter)};
+}
+
+// Lines of a height that one column holds in three quarters of the area's height.
+static uint32_t column_room(const girih_rectangle *area, const layout *l, double line) {
+    double room = 0.75 * (double)area->height - 2.0 * l->margin - l->line * l->head;
+    return (uint32_t)fmax(1.0, floor(room / line));
+}
+
 static void choose_font(cairo_t *cairo, double size) {
     cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(cairo, size);
@@ -51,11 +65,8 @@ static double text_width(cairo_t *cairo, const girih_overlay_line *line) {
 }
 
 static layout lay_out(cairo_t *cairo, const girih_overlay_text *text) {
-    layout l = {.letter = fmin(fmax(round((double)text->area.height / 46.0), 11.0), 30.0)};
+    layout l = begin_layout(&text->area);
     choose_font(cairo, l.letter);
-    l.margin = round(0.6 * l.letter);
-    l.line = round(1.4 * l.letter);
-    l.pattern = round(2.9 * l.letter);
     while (l.head < text->line_count && !text->lines[l.head].has_swatch) {
         l.width = fmax(l.width, text_width(cairo, &text->lines[l.head++]));
     }
@@ -70,9 +81,7 @@ static layout lay_out(cairo_t *cairo, const girih_overlay_text *text) {
     }
     l.text_x = l.swatch + round(0.6 * l.letter);
     l.column = ceil(l.text_x + widest + l.letter);
-    // As many columns as keep it in three quarters of the area's height.
-    double room = 0.75 * (double)text->area.height - 2.0 * l.margin - l.line * l.head;
-    uint32_t most = (uint32_t)fmax(1.0, floor(room / body_line));
+    uint32_t most = column_room(&text->area, &l, body_line);
     l.column_count = text->is_scale || body <= most ? 1 : (body + most - 1) / most;
     l.rows = body == 0 ? 1 : (body + l.column_count - 1) / l.column_count;
     if (body != 0) {
@@ -267,6 +276,12 @@ girih_result girih_overlay_add(girih_overlay *overlay, const girih_overlay_text 
     cairo_surface_destroy(surface);
     overlay->panel_count += result == GIRIH_OK;
     return result;
+}
+
+uint32_t girih_overlay_patterns(const girih_rectangle *area) {
+    layout l = begin_layout(area);
+    l.head = 3;
+    return column_room(area, &l, l.pattern);
 }
 
 void girih_overlay_clear(girih_overlay *overlay) {

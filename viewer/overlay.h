@@ -55,6 +55,9 @@ typedef struct girih_overlay {
 girih_result girih_overlay_add(girih_overlay *overlay, const girih_overlay_text *text, bool *fits,
                                girih_error *error);
 
+// Lines with a pattern that one column of a panel holds in an area, below two or three others.
+uint32_t girih_overlay_patterns(const girih_rectangle *area);
+
 // Frees all panels, and the overlay is empty.
 void girih_overlay_clear(girih_overlay *overlay);
 

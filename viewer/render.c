@@ -317,7 +317,7 @@ static void copy_side(work *w, uint32_t x, uint32_t width) {
 
 // As wide and dark as the renderer's own.
 static void draw_divider(work *w) {
-    static const uint8_t color[4] = {137, 140, 144, 255};
+    static const uint8_t color[4] = {137, 139, 144, 255};
     uint32_t whole = w->options->camera.width;
     uint32_t width = whole >= 4 ? 2 : 1;
     for (uint32_t row = 0; row < w->options->camera.height; row++) {
