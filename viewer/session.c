@@ -243,7 +243,7 @@ static girih_result add_caption(girih_overlay *overlay, const girih_rectangle *a
                                 const char *what, const girih_statistics *statistics, bool *fits,
                                 girih_error *error) {
     char count[64];
-    snprintf(count, sizeof count, "%" PRIu64 " triangles", statistics->output_triangles);
+    snprintf(count, sizeof count, "%" PRIu64 " triangles drawn", statistics->output_triangles);
     const girih_overlay_line lines[2] = {{.text = what}, {.text = count}};
     const girih_overlay_text text = {
         .lines = lines, .line_count = 2, .corner = GIRIH_CORNER_TOP_LEFT, .area = *area};

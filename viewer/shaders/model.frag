@@ -144,7 +144,7 @@ float line_cover() {
     float half_width = picture.line_half_width * mix(1.0, 0.6, depth);
     float nearest = min(min(distances.x, distances.y), distances.z);
     // Triangles hardly larger than lines are wide would be nothing but lines.
-    float room = clamp(in_size.y / (10.0 * half_width), 0.15, 1.0);
+    float room = clamp(in_size.y / (6.0 * half_width), 0.2, 1.0);
     return clamp(half_width + 0.5 - nearest, 0.0, 1.0) * room * line_strength(depth);
 #else
     return 0.0;

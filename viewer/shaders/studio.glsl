@@ -13,11 +13,11 @@ struct Softbox {
 // The key light, the fill light, and a strip above and behind that draws outlines.
 const Softbox softboxes[3] = Softbox[3](
     Softbox(vec3(-0.5186, 0.5657, 0.6411), vec3(0.7775, 0.0, 0.6289), vec3(0.3558, 0.8246, -0.4398), vec2(0.34, 0.26),
-            7.0),
+            6.0),
     Softbox(vec3(0.9035, 0.1004, 0.4166), vec3(0.4187, 0.0, -0.9081), vec3(-0.0912, 0.9949, -0.0420),
             vec2(0.12, 0.60), 2.6),
     Softbox(vec3(0.1961, 0.6865, -0.7002), vec3(-0.9629, 0.0, -0.2697), vec3(-0.1852, 0.7272, 0.6610),
-            vec2(0.75, 0.12), 4.0));
+            vec2(0.75, 0.12), 3.2));
 
 const vec3 studio_floor = vec3(0.20, 0.195, 0.19);
 const vec3 studio_ceiling = vec3(0.66, 0.69, 0.74);
@@ -47,7 +47,7 @@ vec3 studio_mirrored(vec3 direction, float roughness) {
 // Irradiance over pi at a surface of this normal: the walls' and, light wrapping around the edge as it does from
 // something large, the softboxes'.
 vec3 studio_diffuse(vec3 n) {
-    vec3 sum = 0.62 * studio_walls(n.y, 1.0);
+    vec3 sum = 0.58 * studio_walls(n.y, 1.0);
     for (int k = 0; k < 3; ++k) {
         Softbox box = softboxes[k];
         float solid_angle = 4.0 * box.half_size.x * box.half_size.y;
