@@ -20,7 +20,7 @@ girih_result girih_attachments_create(girih_attachments *attachments, const giri
     // VkSampleCountFlagBits are the counts themselves.
     if (wanted != 0 && (samples & wanted) == 0) {
         return girih_fail(error, GIRIH_ERROR_UNSUPPORTED,
-                          "--samples %u: %s has%s%s%s%s samples of a pixel", wanted,
+                          "--samples %u: %s takes these numbers of samples:%s%s%s%s", wanted,
                           device->properties.deviceName, (samples & 1) != 0 ? " 1" : "",
                           (samples & 2) != 0 ? " 2" : "", (samples & 4) != 0 ? " 4" : "",
                           (samples & 8) != 0 ? " 8" : "");

@@ -8,6 +8,9 @@
 
 #include "error.h"
 
+// Of a text that is not UTF-8.
+enum { MOST_LETTERS = 512 };
+
 // Lengths are pixels before a panel is made smaller.
 typedef struct layout {
     double letter; // size of the letters
@@ -58,9 +61,50 @@ static void choose_font(cairo_t *cairo, double size) {
     cairo_set_font_size(cairo, size);
 }
 
+// Whether bytes after a first one of UTF-8 carry it on.
+static bool continues(const unsigned char *text, int count) {
+    for (int n = 1; n <= count; n++) {
+        if ((text[n] & 0xc0) != 0x80) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// The text, where it is UTF-8, which cairo insists on; file names may be anything, so else a copy
+// with question marks.
+static const char *readable(const char *text, char copy[MOST_LETTERS]) {
+    const unsigned char *at = (const unsigned char *)text;
+    while (*at != 0) {
+        int more = *at < 0x80   ? 0
+                   : *at < 0xc2 ? -1
+                   : *at < 0xe0 ? 1
+                   : *at < 0xf0 ? 2
+                   : *at < 0xf5 ? 3
+                                : -1;
+        bool is_bad = more < 0 || !continues(at, more) || (*at == 0xe0 && at[1] < 0xa0) ||
+                      (*at == 0xed && at[1] >= 0xa0) || (*at == 0xf0 && at[1] < 0x90) ||
+                      (*at == 0xf4 && at[1] >= 0x90);
+        if (is_bad) {
+            break;
+        }
+        at += more + 1;
+    }
+    if (*at == 0) {
+        return text;
+    }
+    size_t length = 0;
+    for (; text[length] != '\0' && length + 1 < MOST_LETTERS; length++) {
+        copy[length] = (unsigned char)text[length] < 0x80 ? text[length] : '?';
+    }
+    copy[length] = '\0';
+    return copy;
+}
+
 static double text_width(cairo_t *cairo, const girih_overlay_line *line) {
+    char copy[MOST_LETTERS];
     cairo_text_extents_t extents;
-    cairo_text_extents(cairo, line->text, &extents);
+    cairo_text_extents(cairo, readable(line->text, copy), &extents);
     return extents.x_advance;
 }
 
@@ -190,7 +234,8 @@ static void draw_panel(cairo_t *cairo, const girih_overlay_text *text, const lay
         cairo_set_source_rgb(cairo, 0.96, 0.96, 0.96);
         cairo_move_to(cairo, line->has_swatch ? x + l->text_x : x,
                       round(middle + 0.5 * (font.ascent - font.descent)));
-        cairo_show_text(cairo, line->text);
+        char copy[MOST_LETTERS];
+        cairo_show_text(cairo, readable(line->text, copy));
     }
 }
 
@@ -271,8 +316,10 @@ girih_result girih_overlay_add(girih_overlay *overlay, const girih_overlay_text 
     cairo = cairo_create(surface);
     cairo_scale(cairo, scale, scale);
     draw_panel(cairo, text, &l);
+    bool is_drawn = cairo_status(cairo) == CAIRO_STATUS_SUCCESS;
     cairo_destroy(cairo);
-    girih_result result = copy_pixels(surface, panel, error);
+    girih_result result = is_drawn ? copy_pixels(surface, panel, error)
+                                   : girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     cairo_surface_destroy(surface);
     overlay->panel_count += result == GIRIH_OK;
     return result;

@@ -101,7 +101,7 @@ static void read_side(struct argp_state *state, const char *text, side_options *
         argp_error(state, "--compare: '%s' cannot be split into options", text);
         return;
     }
-    side->words.we_wordv[0] = (char[]){"girih render --compare"};
+    side->words.we_wordv[0] = (char[]){"girih render"};
     side->caption = text[0] != '\0' ? text : "no options";
     side->levels.given = NULL; // another rule takes its place
     argp_parse(&side_argp, (int)side->words.we_wordc + 1, side->words.we_wordv, ARGP_NO_HELP, NULL,
@@ -436,9 +436,10 @@ static girih_result make_pictures(work *w, girih_error *error) {
         return result;
     }
     w->rgba = malloc(4 * pixels);
-    w->side_rgba = malloc(4 * (size_t)w->side_width * camera->height);
+    bool is_compared = w->options->side_count == 2;
+    w->side_rgba = is_compared ? malloc(4 * (size_t)w->side_width * camera->height) : NULL;
     w->reports = json_array();
-    if (w->rgba == NULL || w->side_rgba == NULL) {
+    if (w->rgba == NULL || (is_compared && w->side_rgba == NULL)) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
     for (uint32_t n = 0; n < w->picture_count && result == GIRIH_OK; n++) {
