@@ -86,7 +86,7 @@ picture beside.png "$cube" "${size[@]}" --segments 5 --no-legend --beside-input
 picture both.png "$cube" "${size[@]}" --segments 5 --no-legend --compare '--segments 1 --surface flat' ''
 same beside.png both.png
 picture captions.png "$cube" "${size[@]}" --segments 5 --compare '--segments 1 --surface flat --no-legend' ''
-holds legend captions.png both.png top
+holds legend captions.png both.png top,right
 
 # --- A turntable: N files, each what render draws from the position that is told ---
 picture turn.v2.png "$cube" "${half[@]}" --edge-pixels 20 --turntable 3

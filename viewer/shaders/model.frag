@@ -131,6 +131,13 @@ vec3 density_color() {
 
 const vec3 line_color = vec3(0.07, 0.09, 0.13); // sRGB
 
+// Dark, or light on a material that is dark itself: by its colour, not by the light on it, which would have lines
+// change all over a surface.
+vec3 line_over(vec3 base) {
+    float brightness = picture.shade == SHADE_LIT ? dot(base, vec3(0.2126, 0.7152, 0.0722)) : 1.0;
+    return from_srgb(mix(vec3(0.60, 0.64, 0.70), line_color, smoothstep(0.02, 0.05, brightness)));
+}
+
 // The farther, the fainter.
 float line_strength(float depth) {
     return mix(0.92, 0.30, depth);
@@ -201,6 +208,6 @@ void main() {
     out_color = surface_color(base, n);
     if (picture.line_half_width > 0.0) {
         float cover = line_cover();
-        out_color = vec4(mix(out_color.rgb, from_srgb(line_color), cover), max(out_color.a, cover));
+        out_color = vec4(mix(out_color.rgb, line_over(base.rgb), cover), max(out_color.a, cover));
     }
 }
