@@ -4,6 +4,7 @@
 #define GIRIH_VIEWER_COMMANDS_H
 
 int girih_command_render(int argc, char **argv);
+int girih_command_view(int argc, char **argv);
 int girih_command_refine(int argc, char **argv);
 int girih_command_info(int argc, char **argv);
 int girih_command_check(int argc, char **argv);

@@ -1,4 +1,4 @@
-// girih: renders, refines and checks glTF models.
+// girih: renders, shows, refines and checks glTF models.
 // Exit status: 0 done, 1 failed on this input, 2 wrong use.
 #include <argp.h>
 #include <stdbool.h>
@@ -16,6 +16,7 @@ static const struct command {
 } commands[] = {
     {"render", NULL, "draw a refined model into a PNG", girih_command_render,
      (char[]){"girih render"}},
+    {"view", NULL, "show a refined model in a window", girih_command_view, (char[]){"girih view"}},
     {"refine", NULL, "write a refined model as a .glb", girih_command_refine,
      (char[]){"girih refine"}},
     {"info", "inspect", "say what a model holds", girih_command_info, (char[]){"girih info"}},
@@ -35,6 +36,7 @@ static void print_usage(FILE *stream) {
     }
     fputs("\nExamples:\n"
           "  girih render model.glb -o picture.png\n"
+          "  girih view model.glb\n"
           "  girih refine model.glb --segments 4 -o fine.glb\n"
           "  girih check fine.glb --from model.glb --segments 4\n\n"
           "girih COMMAND --help, or girih help COMMAND, tells a command's options.\n",

@@ -15,20 +15,26 @@ static double distance_of(const girih_orbit *orbit) {
     return sqrt(dot(away, away));
 }
 
+void girih_orbit_surround(girih_orbit *orbit, const double low[3], const double high[3]) {
+    double square = 0.0;
+    for (int n = 0; n < 3; n++) {
+        orbit->middle[n] = (low[n] + high[n]) / 2.0;
+        square += (high[n] - low[n]) * (high[n] - low[n]) / 4.0;
+    }
+    orbit->radius = square > 0.0 ? sqrt(square) : 1.0;
+}
+
 void girih_orbit_start(girih_orbit *orbit, const girih_camera *camera, const float up[3],
                        const double low[3], const double high[3]) {
     *orbit = (girih_orbit){.camera = *camera};
+    girih_orbit_surround(orbit, low, high);
     double length = sqrt((double)up[0] * (double)up[0] + (double)up[1] * (double)up[1] +
                          (double)up[2] * (double)up[2]);
-    double square = 0.0;
     double distance = 0.0;
     for (int n = 0; n < 3; n++) {
         orbit->up[n] = (double)up[n] / length;
-        orbit->middle[n] = (low[n] + high[n]) / 2.0;
-        square += (high[n] - low[n]) * (high[n] - low[n]) / 4.0;
         distance += (camera->eye[n] - orbit->middle[n]) * camera->back[n];
     }
-    orbit->radius = square > 0.0 ? sqrt(square) : 1.0;
     // A camera that looks away from everything turns around what is right before it.
     distance = distance > 0.01 * orbit->radius ? distance : orbit->radius;
     for (int n = 0; n < 3; n++) {
@@ -89,8 +95,7 @@ void girih_orbit_turn(girih_orbit *orbit, double right, double up) {
 
 void girih_orbit_pan(girih_orbit *orbit, double right, double up) {
     girih_camera *camera = &orbit->camera;
-    double height =
-        2.0 * camera->half_height * (camera->orthographic ? 1.0 : distance_of(orbit));
+    double height = 2.0 * camera->half_height * (camera->orthographic ? 1.0 : distance_of(orbit));
     for (int n = 0; n < 3; n++) {
         double step = -height * (right * camera->right[n] + up * camera->up[n]);
         camera->eye[n] += step;

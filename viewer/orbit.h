@@ -17,6 +17,9 @@ typedef struct girih_orbit {
 void girih_orbit_start(girih_orbit *orbit, const girih_camera *camera, const float up[3],
                        const double low[3], const double high[3]);
 
+// What is to be seen lies between other bounds now; the camera stays.
+void girih_orbit_surround(girih_orbit *orbit, const double low[3], const double high[3]);
+
 // Turns by radians: what is looked at follows to the right, and upwards, no farther than to the
 // axis.
 void girih_orbit_turn(girih_orbit *orbit, double right, double up);

@@ -13,8 +13,12 @@ girih_result girih_refinement_scene(girih_device *device, girih_context *context
                                     const girih_mesh *const *meshes, uint32_t mesh_count,
                                     girih_scene **scene, girih_error *error) {
     girih_report_progress("uploading");
-    girih_result result = girih_scene_create(
-        context, &(girih_scene_desc){.meshes = meshes, .mesh_count = mesh_count}, scene, error);
+    const girih_scene_desc desc = {
+        .meshes = meshes,
+        .mesh_count = mesh_count,
+        .dynamic = mesh_count > 0 && meshes[0]->dynamic, // a model's are all alike
+    };
+    girih_result result = girih_scene_create(context, &desc, scene, error);
     if (result == GIRIH_OK) {
         result = girih_device_begin(device, error);
         if (result == GIRIH_OK) {

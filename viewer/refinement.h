@@ -63,7 +63,8 @@ void girih_refinement_read_times(girih_stage_times *times, const girih_device *d
 girih_result girih_refinement_run(girih_refinement *refinement, const girih_refinement_desc *desc,
                                   const girih_frame *frame, girih_error *error);
 
-// A scene of the model's meshes, uploaded together with the context's catalogue.
+// A scene of the model's meshes, dynamic where they are, uploaded together with the context's
+// catalogue.
 girih_result girih_refinement_scene(girih_device *device, girih_context *context,
                                     const girih_mesh *const *meshes, uint32_t mesh_count,
                                     girih_scene **scene, girih_error *error);

@@ -129,7 +129,7 @@ static girih_result create_swapchain(girih_window *window, girih_error *error) {
     if (result != VK_SUCCESS) {
         return girih_vulkan_failure(error, "vkGetPhysicalDeviceSurfaceCapabilitiesKHR", result);
     }
-    VkSurfaceFormatKHR format;
+    VkSurfaceFormatKHR format = {VK_FORMAT_UNDEFINED, VK_COLOR_SPACE_SRGB_NONLINEAR_KHR};
     girih_result chosen = choose_format(window, &format, error);
     if (chosen != GIRIH_OK) {
         return chosen;
@@ -275,8 +275,8 @@ void girih_window_detach(girih_window *window) {
 // --- Frames ---
 
 girih_result girih_window_wait(girih_window *window, girih_error *error) {
-    VkResult result = vkWaitForFences(
-        window->device->device, 1, &window->frames[window->frame].finished, VK_TRUE, UINT64_MAX);
+    VkResult result = vkWaitForFences(window->device->device, 1,
+                                      &window->frames[window->frame].finished, VK_TRUE, UINT64_MAX);
     return result == VK_SUCCESS ? GIRIH_OK : girih_vulkan_failure(error, "vkWaitForFences", result);
 }
 
