@@ -382,7 +382,45 @@ static girih_picture describe_picture(const session *s, const girih_drawing *dra
     return picture;
 }
 
-// Draws the last picture once more, waiting for it.
+static girih_result fill_overlay(session *s, uint32_t slot, girih_error *error) {
+    double now = girih_seconds();
+    if (s->message_end != 0.0 && now > s->message_end) {
+        s->message[0] = '\0';
+        s->message_end = 0.0;
+        s->controls.has_news = true;
+    }
+    const girih_shown_model *shown = s->shown;
+    const girih_gltf_animation *animation = find_animation(s);
+    girih_result result = GIRIH_OK;
+    if (s->controls.has_news || now >= s->next_text) {
+        const girih_view_status status = {
+            .file = shown->path,
+            .mode = shown->slots[slot].refinement.mode,
+            .statistics = &shown->latest.statistics,
+            .times = &shown->latest.times,
+            .is_unchanged = shown->is_unchanged,
+            .frames_per_second = s->frames_per_second,
+            .catalogue = s->catalogue.catalogue,
+            .plan = shown->slots[slot].is_finished ? shown->slots[slot].refinement.plan : NULL,
+            .animation = animation != NULL ? animation->name : NULL,
+            .animation_time = s->time,
+            .message = s->message[0] != '\0' ? s->message : shown->notice,
+            .is_failure = s->message[0] != '\0' ? s->is_failure : true,
+        };
+        result = girih_view_text(&s->overlay, &s->controls, &status, s->window.width,
+                                 s->window.height, error);
+        s->overlay_number++;
+        s->next_text = now + 0.25;
+        s->controls.has_news = false;
+    }
+    if (result == GIRIH_OK && s->slot_overlay[slot] != s->overlay_number) {
+        result = girih_renderer_set_overlay(s->shown->renderer, slot, &s->overlay, error);
+        s->slot_overlay[slot] = s->overlay_number;
+    }
+    return result;
+}
+
+// Draws the last picture once more, waiting for it, without a message of something done.
 static girih_result save_picture(session *s, const char *path, girih_error *error) {
     uint32_t width = s->window.width;
     uint32_t height = s->window.height;
@@ -402,6 +440,11 @@ static girih_result save_picture(session *s, const char *path, girih_error *erro
     if (idle != VK_SUCCESS) {
         result = girih_vulkan_failure(error, "vkDeviceWaitIdle", idle);
     } else {
+        s->message[0] = s->is_failure ? s->message[0] : '\0';
+        s->controls.has_news = true;
+        result = fill_overlay(s, 0, error);
+    }
+    if (result == GIRIH_OK) {
         result = girih_renderer_draw(s->shown->renderer, &picture, rgba, &milliseconds, error);
     }
     if (result == GIRIH_OK &&
@@ -439,44 +482,6 @@ static void take_picture(session *s) {
     snprintf(text, sizeof text, "wrote %s", path);
     fprintf(stderr, "girih: %s\n", text);
     say(s, false, text);
-}
-
-static girih_result fill_overlay(session *s, uint32_t slot, girih_error *error) {
-    double now = girih_seconds();
-    if (s->message_end != 0.0 && now > s->message_end) {
-        s->message[0] = '\0';
-        s->message_end = 0.0;
-        s->controls.has_news = true;
-    }
-    const girih_shown_model *shown = s->shown;
-    const girih_gltf_animation *animation = find_animation(s);
-    girih_result result = GIRIH_OK;
-    if (s->controls.has_news || now >= s->next_text) {
-        const girih_view_status status = {
-            .file = shown->path,
-            .mode = shown->slots[slot].refinement.mode,
-            .statistics = &shown->latest.statistics,
-            .times = &shown->latest.times,
-            .is_unchanged = shown->is_unchanged,
-            .frames_per_second = s->frames_per_second,
-            .catalogue = s->catalogue.catalogue,
-            .plan = shown->slots[slot].is_finished ? shown->slots[slot].refinement.plan : NULL,
-            .animation = animation != NULL ? animation->name : NULL,
-            .animation_time = s->time,
-            .message = s->message[0] != '\0' ? s->message : shown->notice,
-            .is_failure = s->message[0] != '\0' ? s->is_failure : true,
-        };
-        result = girih_view_text(&s->overlay, &s->controls, &status, s->window.width,
-                                 s->window.height, error);
-        s->overlay_number++;
-        s->next_text = now + 0.25;
-        s->controls.has_news = false;
-    }
-    if (result == GIRIH_OK && s->slot_overlay[slot] != s->overlay_number) {
-        result = girih_renderer_set_overlay(s->shown->renderer, slot, &s->overlay, error);
-        s->slot_overlay[slot] = s->overlay_number;
-    }
-    return result;
 }
 
 static girih_frame make_frame(session *s) {
@@ -585,10 +590,6 @@ static girih_result do_once(session *s, girih_error *error) {
         s->controls.wants_camera_reset = false;
         result = start_camera(s, error);
     }
-    if (result == GIRIH_OK && s->controls.wants_picture) {
-        s->controls.wants_picture = false;
-        take_picture(s);
-    }
     return result;
 }
 
@@ -611,6 +612,11 @@ static girih_result run(session *s, girih_error *error) {
         }
         if (result == GIRIH_OK && girih_window_is_visible(&s->window)) {
             result = draw_picture(s, error);
+        }
+        // Behind the picture that shows what the keys before have changed.
+        if (result == GIRIH_OK && s->controls.wants_picture) {
+            s->controls.wants_picture = false;
+            take_picture(s);
         }
     }
     return result;
