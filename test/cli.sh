@@ -8,7 +8,7 @@ set -uo pipefail
 
 # --- Help and wrong use ---
 expect 0 --help
-for command in render refine info inspect check validate; do
+for command in render view refine info inspect check validate; do
     expect 0 "$command" --help
     grep -q 'Examples:' out || fail "girih $command --help: no examples"
 done
