@@ -8,12 +8,16 @@
 
 // --- Loading ---
 
-// The message names a file: the model, unless it begins with another one.
+// Puts the model's name before a message that does not begin with it.
 static girih_result name_file(girih_result result, const char *path, girih_error *error) {
+    size_t length = strlen(path);
+    if (result == GIRIH_OK ||
+        (strncmp(error->message, path, length) == 0 && error->message[length] == ':')) {
+        return result;
+    }
     char message[sizeof error->message];
     memcpy(message, error->message, sizeof message);
-    return result == GIRIH_OK ? GIRIH_OK
-                              : girih_fail(error, result, "%.200s: %.280s", path, message);
+    return girih_fail(error, result, "%.200s: %.280s", path, message);
 }
 
 static girih_result load(girih_shown_model *shown, const girih_pose_options *pose,

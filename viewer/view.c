@@ -279,7 +279,8 @@ static girih_result drop_model(session *s, const char *path, girih_error *error)
     take_model(s, shown);
     say(s, false, path);
     s->last = (girih_drawing){0};
-    girih_result result = resize(s, error);
+    // Without a swapchain the size is not known yet.
+    girih_result result = s->window.swapchain != VK_NULL_HANDLE ? resize(s, error) : GIRIH_OK;
     return result == GIRIH_OK ? start_camera(s, error) : result;
 }
 
