@@ -230,6 +230,15 @@ static void use_options(girih_camera *c, const girih_camera_options *options, co
         complete_basis(c, options->view_up);
         return;
     }
+    if (options->has_direction) {
+        for (int n = 0; n < 3; n++) {
+            c->back[n] = -(double)options->direction[n];
+        }
+        normalize(c->back);
+        complete_basis(c, options->view_up);
+        frame_points(c, set, aspect, options->has_focal_point ? focal_point : NULL);
+        return;
+    }
     // Three quarters: from the front, from the right and from above, as `view up` says what above
     // is.
     double up[3] = {options->view_up[0], options->view_up[1], options->view_up[2]};

@@ -24,6 +24,7 @@ enum {
     KEY_PROJECTION,
     KEY_CAMERA_POSITION,
     KEY_CAMERA_FOCAL_POINT,
+    KEY_CAMERA_DIRECTION,
     KEY_CAMERA_VIEW_UP,
     KEY_CAMERA_VIEW_ANGLE,
     KEY_CAMERA_INDEX,
@@ -364,8 +365,8 @@ static void read_resolution(struct argp_state *state, const char *text,
 static void check_camera(struct argp_state *state, girih_camera_options *options) {
     // A camera of a file says where it stands and looks to; a panorama's angle is none of its own.
     if (options->has_index &&
-        (options->has_position || options->has_focal_point || options->has_view_up ||
-         (options->has_view_angle && !options->cylindrical))) {
+        (options->has_position || options->has_direction || options->has_focal_point ||
+         options->has_view_up || (options->has_view_angle && !options->cylindrical))) {
         argp_error(state, "--camera-index: a camera of the file takes no other --camera option");
     }
     float widest = options->cylindrical ? 360.0f : 175.0f;
@@ -374,6 +375,13 @@ static void check_camera(struct argp_state *state, girih_camera_options *options
     } else if (!(options->view_angle >= 0.01f && options->view_angle <= widest)) {
         argp_error(state, "--camera-view-angle: %g is not from 0.01 to %g",
                    (double)options->view_angle, (double)widest);
+    }
+    if (options->has_direction && (options->has_position || options->cylindrical)) {
+        argp_error(state, options->cylindrical
+                              ? "--camera-direction: a panorama looks around; aim it with "
+                                "--camera-focal-point"
+                              : "--camera-direction finds the position itself, and "
+                                "--camera-position is given");
     }
     if (options->has_position && options->has_focal_point &&
         memcmp(options->position, options->focal_point, sizeof options->position) == 0) {
@@ -401,6 +409,14 @@ static error_t parse_camera(int key, char *argument, struct argp_state *state) {
     case KEY_CAMERA_FOCAL_POINT:
         girih_option_vector(state, "camera-focal-point", argument, options->focal_point);
         options->has_focal_point = true;
+        return 0;
+    case KEY_CAMERA_DIRECTION:
+        girih_option_vector(state, "camera-direction", argument, options->direction);
+        options->has_direction = true;
+        if (options->direction[0] == 0.0f && options->direction[1] == 0.0f &&
+            options->direction[2] == 0.0f) {
+            argp_error(state, "--camera-direction: a direction cannot be 0,0,0");
+        }
         return 0;
     case KEY_CAMERA_VIEW_UP:
         girih_option_vector(state, "camera-view-up", argument, options->view_up);
@@ -439,6 +455,11 @@ static const struct argp_option camera_options[] = {
      3},
     {"camera-position", KEY_CAMERA_POSITION, "X,Y,Z", 0, "Where it stands", 3},
     {"camera-focal-point", KEY_CAMERA_FOCAL_POINT, "X,Y,Z", 0, "What it looks at", 3},
+    {"camera-direction", KEY_CAMERA_DIRECTION, "X,Y,Z", 0,
+     "Where it looks, from as near as shows all of the model: 0,0,-1 is from the front, -1,0,0 "
+     "from "
+     "the right, 0,-1,0 from above",
+     3},
     {"camera-view-up", KEY_CAMERA_VIEW_UP, "X,Y,Z", 0, "What is up (0,1,0)", 3},
     {"camera-view-angle", KEY_CAMERA_VIEW_ANGLE, "DEGREES", 0,
      "Vertical view angle (30); of a cylinder the horizontal one, up to 360 (360)", 3},

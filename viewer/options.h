@@ -31,8 +31,8 @@ typedef struct girih_surface_options {
 } girih_surface_options;
 
 typedef struct girih_camera_options {
-    bool has_position, has_focal_point, has_view_up, has_view_angle, has_index;
-    float position[3], focal_point[3], view_up[3];
+    bool has_position, has_direction, has_focal_point, has_view_up, has_view_angle, has_index;
+    float position[3], direction[3], focal_point[3], view_up[3];
     bool cylindrical; // cylindrical projection
     float view_angle; // degrees: vertical; cylindrical: horizontal
     uint32_t index;
