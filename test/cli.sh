@@ -23,7 +23,7 @@ teapot=("$assets/teapot.glb" -o out.png)
 for wrong in --displace=map.png --mode=none --surface=nurbs --segments=0 --segments=3x --segments=-1 \
     --segments=random:7 --segments=random:7:0 --edge-pixels=0 --edge-pixels=nan --edge-length=-1 --crease=200 \
     --resolution=10 --resolution=0,10 --camera-position=1,2 --camera-view-angle=0 --shade=pretty \
-    --backface-color=255,0,255 --camera-view-up=0,0,0; do
+    --backface-color=255,0,255 --camera-view-up=0,0,0 --time=soon --time=nan; do
     expect 2 render "${teapot[@]}" "$wrong"
     [[ ! -s out ]] || fail "girih render $wrong: something on standard output"
 done
@@ -89,6 +89,36 @@ for extra in '--shade normals' '--shade levels' '--shade patterns' --wireframe -
     [[ ! -s out ]] || fail "$extra: something on standard output"
 done
 expect 0 render "$assets/blend.glb" --camera-index 0 --resolution 200,150 -o blend.png
+
+# --- Poses: by time and animation, alike in every mode, held behind the end ---
+worm=("$assets/worm.glb" --resolution 120,90)
+pose() { # FILE OPTION...
+    expect 0 render "${worm[@]}" -o "$@"
+}
+pose rest.png
+pose start.png --animation swallow
+same rest.png start.png # the worm swallows nothing yet, and its node's transform is not the skin's
+for mode in instanced baked welded; do
+    pose "$mode.png" --time 0.7 --mode "$mode"
+done
+pose cpu.png --time 0.7 --animation wave --cpu
+same instanced.png baked.png
+same instanced.png welded.png
+same instanced.png cpu.png
+pose end.png --time 2 --animation 1
+pose later.png --time 99 --animation swallow
+same end.png later.png
+pose near.png --time 0.9 --camera-index 0
+pose far.png --time 1 --camera-index 0
+for other in 'rest.png cpu.png' 'near.png far.png'; do
+    cmp -s ${other% *} ${other#* } && fail "${other% *} and ${other#* } are alike"
+done
+expect 1 render "${teapot[@]}" --time 0
+expect_one_line 'no animations'
+expect 1 render "${worm[@]}" -o out.png --animation crawl
+expect_one_line 'no such animation'
+grep -q "0 'wave', 1 'swallow'" err || fail 'it does not say which animations there are'
+[[ ! -e out.png ]] || fail 'a failure wrote a file'
 
 # --- refine and check: nothing opens that was closed, the CPU writes the same ---
 for model in teapot cube_hard seam_sphere crack_traps mirror primitives blend; do

@@ -478,6 +478,64 @@ static void moving_mixed_meshes(void **state) {
     girih_model_free(&models[1]);
 }
 
+// A model that is posed has the seams, the open edges and the points that it has at rest.
+static void assert_stays_closed(const char *path, unsigned times) {
+    const girih_surface_options surface = {.surface = GIRIH_SURFACE_PN};
+    const girih_pose_options rest = {.moves = true};
+    girih_model model, posed;
+    girih_error error;
+    assert_int_equal(girih_model_load(&model, path, GIRIH_MODEL_DRAW, &surface, &rest, &error),
+                     GIRIH_OK);
+    assert_true(model.is_dynamic);
+    for (uint32_t a = 0; a < model.contents->animation_count; a++) {
+        const girih_gltf_animation *animation = &model.contents->animations[a];
+        for (unsigned t = 0; t < times; t++) {
+            const float seconds = animation->end * ((float)t + 0.4f) / (float)times;
+            char number[16];
+            snprintf(number, sizeof number, "%u", a);
+            const girih_pose_options then = {
+                .has_time = true, .time = seconds, .animation = number};
+            assert_int_equal(
+                girih_model_load(&posed, path, GIRIH_MODEL_DRAW, &surface, &then, &error),
+                GIRIH_OK);
+            assert_int_equal(girih_model_move(&model, animation, (double)seconds, &error),
+                             GIRIH_OK);
+            assert_int_equal(posed.mesh_count, model.mesh_count);
+            for (uint32_t m = 0; m < model.mesh_count; m++) {
+                const girih_mesh *one = posed.meshes[m], *other = model.meshes[m];
+                assert_int_equal(one->triangle_count, other->triangle_count);
+                assert_int_equal(one->edge_count, other->edge_count);
+                assert_int_equal(one->open_edges, other->open_edges);
+                for (uint32_t c = 0; c < 3 * one->triangle_count; c++) {
+                    const float *p = one->positions + 3 * (size_t)one->triangle_vertices[c];
+                    const float *q = other->positions + 3 * (size_t)other->triangle_vertices[c];
+                    assert_true(p[0] == q[0] && p[1] == q[1] && p[2] == q[2]); // -0 is 0
+                }
+            }
+            girih_model_free(&posed);
+        }
+    }
+    girih_model_free(&model);
+}
+
+static void nothing_opens(void **state) {
+    (void)state;
+    char path[1024];
+    snprintf(path, sizeof path, "%s/worm.glb", getenv("GIRIH_ASSETS"));
+    assert_stays_closed(path, 20);
+    const char *models = getenv("GIRIH_MODELS");
+    static const char *const real[] = {"Fox/Fox.gltf", "SimpleSkin_embedded.gltf",
+                                       "AnimatedMorphCube/AnimatedMorphCube.gltf"};
+    for (size_t n = 0; models != NULL && n < sizeof real / sizeof *real; n++) {
+        snprintf(path, sizeof path, "%s/mesh_gltf/%s", models, real[n]);
+        FILE *file = fopen(path, "rb");
+        if (file != NULL) {
+            fclose(file);
+            assert_stays_closed(path, 3);
+        }
+    }
+}
+
 // --- Refusals ---
 
 static void mutations_never_crash(void **state) {
@@ -599,6 +657,7 @@ int main(void) {
         cmocka_unit_test(a_primitive_without_joints_moves_with_its_node),
         cmocka_unit_test(moving_meshes),
         cmocka_unit_test(moving_mixed_meshes),
+        cmocka_unit_test(nothing_opens),
         cmocka_unit_test(mutations_never_crash),
         cmocka_unit_test(broken_files_are_refused),
     };

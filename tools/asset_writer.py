@@ -70,6 +70,8 @@ class Primitive:
     def __init__(self, material=None, mode=TRIANGLES, index_type=U16):
         self.material, self.mode, self.index_type = material, mode, index_type
         self.positions, self.normals, self.uvs, self.colors, self.indices = [], [], [], [], []
+        self.influences = []  # of every vertex or none: up to four pairs of a joint and a weight
+        self.targets = []  # morph targets: what each adds to positions and to normals
 
     def vertex(self, position, normal=None, uv=None, color=None):
         self.positions.append(tuple(float32(x) for x in position))
@@ -121,11 +123,12 @@ class Gltf:
         self.binary.extend(data)
         return self.append("bufferViews", view)
 
-    def attribute(self, values, bounds=False):
+    def attribute(self, values, bounds=False, target=34962, component=FLOAT):
         flat = [x for value in values for x in value]
-        accessor = {"bufferView": self.view(struct.pack("<%df" % len(flat), *flat), 34962),
-                    "componentType": FLOAT, "count": len(values),
-                    "type": {2: "VEC2", 3: "VEC3", 4: "VEC4"}[len(values[0])]}
+        data = struct.pack("<%d%s" % (len(flat), "B" if component == U8 else "f"), *flat)
+        accessor = {"bufferView": self.view(data, target),
+                    "componentType": component, "count": len(values),
+                    "type": {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}[len(values[0])]}
         if bounds:
             columns = list(zip(*values))
             # Plus zero: a bound of -0 would read "-0.0" for nothing.
@@ -142,7 +145,15 @@ class Gltf:
                 if values:
                     assert len(values) == len(p.positions), (name, semantic)
                     attributes[semantic] = self.attribute(values)
+            if p.influences:
+                padded = [(i + [(0, 0.0)] * 4)[:4] for i in p.influences]
+                attributes["JOINTS_0"] = self.attribute([[j for j, _ in i] for i in padded],
+                                                        component=U8)
+                attributes["WEIGHTS_0"] = self.attribute([[w for _, w in i] for i in padded])
             item = {"attributes": attributes, "mode": p.mode}
+            if p.targets:
+                item["targets"] = [{"POSITION": self.attribute(moves, True),
+                                    "NORMAL": self.attribute(turns)} for moves, turns in p.targets]
             if p.indices:
                 code = {U8: "B", U16: "H", U32: "I"}[p.index_type]
                 data = struct.pack("<%d%s" % (len(p.indices), code), *p.indices)
@@ -165,6 +176,23 @@ class Gltf:
         if root:
             self.json["scenes"][0]["nodes"].append(index)
         return index
+
+    def skin(self, joints, origins):
+        """A skin whose joints stand, unturned, at these points when it is bound."""
+        matrices = [(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -x, -y, -z, 1) for x, y, z in origins]
+        return self.append("skins", {"joints": joints, "inverseBindMatrices":
+                                     self.attribute(matrices, target=None)})
+
+    def animation(self, name, *channels):
+        """Channels of (node, path, interpolation, times, values)."""
+        animation = {"name": name, "channels": [], "samplers": []}
+        for node, path, interpolation, times, values in channels:
+            animation["channels"].append({"sampler": len(animation["samplers"]),
+                                          "target": {"node": node, "path": path}})
+            animation["samplers"].append({
+                "input": self.attribute([(t,) for t in times], True, target=None),
+                "output": self.attribute(values, target=None), "interpolation": interpolation})
+        return self.append("animations", animation)
 
     def material(self, name, srgb, alpha=1.0, metallic=0.0, roughness=0.6, **rest):
         """A material whose base colour is given in sRGB, 0..255."""

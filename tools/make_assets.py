@@ -12,8 +12,8 @@ import os
 import sys
 
 from asset_writer import (FAN, LINE_LOOP, LINE_STRIP, LINES, POINTS, STRIP, U8, U16, U32, Gltf,
-                          Primitive, add, bezier, cap, dot, float32, grid, lathe, mix, png, profile,
-                          scale, smoothstep, sub, sweep, turn, unit)
+                          Primitive, add, bezier, cap, dot, float32, grid, lathe, lathe_row, mix, png,
+                          profile, scale, smoothstep, sub, sweep, turn, unit)
 
 
 # Texture ---------------------------------------------------------------------------------------
@@ -514,10 +514,71 @@ def primitives(folder):
     gltf.write(folder, "primitives.glb")
 
 
+def worm(folder):
+    """A closed tube with a chain of joints along it and three bulges as morph targets. Vertices of
+    its seam and poles have their influences in another order than their twins."""
+    gltf = Gltf()
+    columns, rows, half, radius = 16, 24, 2.0, 0.4
+    body = Primitive(gltf.material("worm", (214, 120, 132)))
+    levels = [-math.cos(math.pi * j / rows) for j in range(rows + 1)]
+    grid(body, [lathe_row(columns, radius * (max(1 - y ** 6, 0.0)) ** 0.5 if 0 < j < rows else 0.0,
+                          half * y, (1.0 - y ** 6, 3.0 * radius / half * y ** 5), j / rows)
+                for j, y in enumerate(levels)])
+    origins = [(0.0, y, 0.0) for y in (-2.0, -1.0, 0.0, 1.0)]
+    for k, (_, y, _) in enumerate(body.positions):
+        # Quadratic B-splines around the middles of the bones, which sum to 1.
+        shares = {}
+        for bone in range(-1, 5):
+            d = abs(y - (bone - 1.5))
+            share = 0.75 - d * d if d < 0.5 else 0.5 * (1.5 - d) ** 2 if d < 1.5 else 0.0
+            joint = min(max(bone, 0), 3)
+            shares[joint] = float32(shares.get(joint, 0.0) + share)
+        pairs = [(joint, share) for joint, share in shares.items() if share > 0]
+        body.influences.append(pairs if k % 2 else pairs[::-1])
+    for middle in (-1.0, 0.0, 1.0):
+        moves, turns = [], []
+        for (x, y, z), normal in zip(body.positions, body.normals):
+            # Wider by a factor; the slope of the profile, up by radial, goes with it.
+            rest = max(1 - (y - middle) ** 2 / 0.5, 0.0)
+            factor, growth = 0.8 * rest ** 2, -3.2 * rest * (y - middle) / 0.5
+            moves.append(tuple(float32(factor * c) for c in (x, 0.0, z)))
+            radial = math.hypot(normal[0], normal[2])
+            up = normal[1] * (1 + factor) - math.hypot(x, z) * growth * radial
+            turned = unit((normal[0], up, normal[2]))
+            turns.append(tuple(float32(b - a) for a, b in zip(normal, turned)))
+        body.targets.append((moves, turns))
+    mesh = gltf.mesh("worm", body)
+    gltf.json["meshes"][mesh]["extras"] = {"targetNames": ["tail", "middle", "head"]}
+    joints = []
+    for k in reversed(range(4)):
+        joints.insert(0, gltf.node("joint %d" % k, children=joints[:1], root=k == 0,
+                                   translation=[0.0, 1.0 if k else -2.0, 0.0]))
+    skin = gltf.skin(joints, origins)
+    # The node's own transform must not move the skinned mesh.
+    node = gltf.node("worm", mesh, skin=skin, translation=[10.0, 0.0, 0.0])
+    gltf.append("cameras", {"type": "perspective", "perspective": {"yfov": 0.6, "znear": 0.1}})
+    camera = gltf.node("camera", camera=0, translation=[0.0, 0.0, 9.0])
+
+    def turned(angle):
+        return (0.0, 0.0, math.sin(angle / 2), math.cos(angle / 2))
+    times = [0.0, 0.5, 1.0, 1.5, 2.0]
+    wave = [(joint, "rotation", "LINEAR", times,
+             [turned(0.7 * math.sin(math.pi * t - k)) for t in times])
+            for k, joint in enumerate(joints)]
+    gltf.animation("wave", *wave, (camera, "translation", "STEP", [0.0, 1.0],
+                                   [(0.0, 0.0, 9.0), (0.0, 0.0, 12.0)]))
+    weights = []
+    for key in range(5):
+        weights += [(0.0,)] * 3 + [(float(key == k + 1),) for k in range(3)] + [(0.0,)] * 3
+    gltf.animation("swallow", (node, "weights", "CUBICSPLINE", times, weights))
+    gltf.expect()
+    gltf.write(folder, "worm.glb")
+
+
 def main():
     folder = sys.argv[1] if len(sys.argv) > 1 else os.path.join(
         os.path.dirname(os.path.abspath(__file__)), "..", "assets")
-    for make in (teapot, cube_hard, seam_sphere, crack_traps, mirror, blend_modes, primitives):
+    for make in (teapot, cube_hard, seam_sphere, crack_traps, mirror, blend_modes, primitives, worm):
         make(folder)
 
 

@@ -176,9 +176,9 @@ static void turn_normal(const float m[12], float normal[3]) {
     for (int k = 0; k < 3; k++) {
         square += (double)turned[k] * (double)turned[k];
     }
+    double scale = square > 0.0 && isfinite(square) ? 1.0 / sqrt(square) : 0.0;
     for (int k = 0; k < 3; k++) {
-        normal[k] =
-            square > 0.0 && isfinite(square) ? (float)((double)turned[k] / sqrt(square)) : 0.0f;
+        normal[k] = scale > 0.0 ? (float)((double)turned[k] * scale) : 0.0f;
     }
 }
 
