@@ -337,8 +337,8 @@ static void index_width_and_directions(void **state) {
         }
         indices[0] = 0, indices[1] = count - 1, indices[2] = count / 2;
         const float *attributes[] = {tangents};
-        const girih_gltf_refined_primitive refined = {
-            count, positions, normals, attributes, 3, indices, NULL, NULL, NULL};
+        const girih_gltf_refined_primitive refined = {count,   positions, normals, attributes, 3,
+                                                      indices, NULL,      NULL,    NULL};
         const girih_gltf_refined_primitive *const meshes[] = {&refined};
         assert_true(girih_gltf_write(model, meshes, folder_path("wide.glb"), NULL, NULL,
                                      gltf_message, sizeof gltf_message));

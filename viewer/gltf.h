@@ -189,7 +189,7 @@ typedef struct girih_gltf_camera {
     float x_magnification, y_magnification; // orthographic
     float near, far;                        // far 0: infinite
     uint32_t node;
-    float transform[12];                    // node-to-world as above; looks along -z, y up
+    float transform[12]; // node-to-world as above; looks along -z, y up
 } girih_gltf_camera;
 
 // What a model holds. All pointers belong to the model.

@@ -226,7 +226,8 @@ void decode_primitive(document &source, json &primitive, const std::string &wher
                         sizeof corner);
         }
     }
-    json accessor = {{"componentType", type_u32}, {"count", indices.size() / 4}, {"type", "SCALAR"}};
+    json accessor = {
+        {"componentType", type_u32}, {"count", indices.size() / 4}, {"type", "SCALAR"}};
     primitive["indices"] = add_accessor(source, std::move(accessor), std::move(indices));
     primitive.erase("mode"); // strips come out as triangles
     erase_extension(primitive, draco_name);

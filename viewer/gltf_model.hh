@@ -39,15 +39,16 @@ std::string one_line(std::string text);
 
 // Hands one line at a time to the caller's function, which may be NULL.
 class warner {
-public:
-    warner(void (*function)(void *, const char *), void *user) : function_(function), user_(user) {}
+  public:
+    warner(void (*function)(void *, const char *), void *user) : function_(function), user_(user) {
+    }
     void operator()(const std::string &line) const {
         if (function_ != nullptr) {
             function_(user_, one_line(line).c_str());
         }
     }
 
-private:
+  private:
     void (*function_)(void *, const char *);
     void *user_;
 };
@@ -58,7 +59,7 @@ bytes read_regular_file(const std::string &path);
 // A glTF document whose properties have the types and whose indices the targets that glTF 2.0 asks
 // for (check_document), beside the bytes its buffers refer to.
 class document {
-public:
+  public:
     explicit document(const std::string &path);
 
     json root;
@@ -84,7 +85,7 @@ public:
 
     std::size_t count(const char *array) const;
 
-private:
+  private:
     void read_glb();
     span buffer(std::size_t index);
 

@@ -1,6 +1,7 @@
 // Writes a model with new geometry as a GLB (glTF 2.0, section 4). The document is the source's
 // own, so that materials, nodes, animations, names, cameras and extras stay as they are; only what
-// describes bytes is made anew. The binary chunk is streamed from the caller's arrays in a second pass.
+// describes bytes is made anew. The binary chunk is streamed from the caller's arrays in a second
+// pass.
 #include "gltf_model.hh"
 #include "output_file.h"
 
@@ -43,8 +44,8 @@ struct piece {
         file
     } type;
     const void *data;
-    std::size_t count; // floats, normals (of 3 floats), tangents (of 4), indices, joints and
-                       // weights (of 4), or bytes
+    std::size_t count;      // floats, normals (of 3 floats), tangents (of 4), indices, joints and
+                            // weights (of 4), or bytes
     std::size_t stride = 0; // joints, weights: from one to the next, in elements
 };
 
@@ -344,8 +345,8 @@ json writer::primitive(std::size_t mesh_index, std::size_t primitive_index) {
             attributes["TANGENT"] = add_vertices({piece::tangents, refined.attributes[a], count},
                                                  "VEC4", type_f32, count, from["TANGENT"]);
         } else {
-            attributes[attribute.name] = add_floats(
-                refined.attributes[a], count, attribute.components, from[attribute.name]);
+            attributes[attribute.name] = add_floats(refined.attributes[a], count,
+                                                    attribute.components, from[attribute.name]);
         }
     }
     if (source.influence_count > 0) {
@@ -424,8 +425,9 @@ void writer::describe_meshes() {
             const auto p = static_cast<std::size_t>(found - places.begin());
             // glTF wants at least one triangle in a primitive.
             const bool is_refined = found != places.end() && refined_[m][p].index_count >= 3;
-            primitives.push_back(is_refined ? primitive(m, p)
-                                            : copied_primitive(root_["meshes"][m]["primitives"][i]));
+            primitives.push_back(is_refined
+                                     ? primitive(m, p)
+                                     : copied_primitive(root_["meshes"][m]["primitives"][i]));
         }
         root_["meshes"][m]["primitives"] = std::move(primitives);
     }
@@ -516,8 +518,7 @@ void unit_direction(const float *from, float *to, unsigned components) {
 }
 
 // Four elements at each vertex, out of the `stride` that it has.
-template <typename To, typename From>
-void stream_sets(const piece &part, std::FILE *stream) {
+template <typename To, typename From> void stream_sets(const piece &part, std::FILE *stream) {
     constexpr std::size_t batch = 4096;
     To converted[4 * batch];
     const From *from = static_cast<const From *>(part.data);

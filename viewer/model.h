@@ -56,8 +56,8 @@ typedef struct girih_model {
     uint32_t material_count;
     int32_t *materials;       // [material_count] DRAW: the glTF material, -1: the default
     uint32_t *first_material; // [contents->mesh_count] REFINE: material of a mesh's first primitive
-    uint32_t **vertex_sources; // [mesh_count][vertex_count of the mesh] vertex of the glTF mesh, its
-                               // primitives' one behind another
+    uint32_t **vertex_sources; // [mesh_count][vertex_count of the mesh] vertex of the glTF mesh,
+                               // its primitives' one behind another
 
     float reach; // how far its surface may stray from the points, in the world: for cameras
 } girih_model;

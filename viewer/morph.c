@@ -29,8 +29,8 @@ static void move_vertex(girih_morphed_mesh *morphed, uint32_t vertex,
     float *position = morphed->positions + 3 * (size_t)vertex;
     float *normal = morphed->normals + 3 * (size_t)vertex;
     if (deltas->positions != NULL && !is_zero(deltas->positions + 3 * (size_t)source)) {
-        girih_vector moved = girih_add(read_vector(position),
-                                       read_vector(deltas->positions + 3 * (size_t)source));
+        girih_vector moved =
+            girih_add(read_vector(position), read_vector(deltas->positions + 3 * (size_t)source));
         write_vector(position, girih_no_negative_zeros(moved));
         morphed->is_moved[vertex] = true;
     }
@@ -43,11 +43,13 @@ static void move_vertex(girih_morphed_mesh *morphed, uint32_t vertex,
     }
 }
 
-// The vertex that stands for all that share its smooth normal: the lowest one at the same point
+// The vertex that stands for all that share its made normal: the lowest one at the same point
 // with the same normal before.
-static uint32_t find_smooth(const girih_mesh *mesh, uint32_t vertex, const uint32_t *next_at_point) {
+static uint32_t find_smooth(const girih_mesh *mesh, uint32_t vertex, const bool *is_made,
+                            const uint32_t *next_at_point) {
     uint32_t n = mesh->vertex_point[vertex];
-    while (memcmp(mesh->normals + 3 * (size_t)n, mesh->normals + 3 * (size_t)vertex, 12) != 0) {
+    while (is_made[n] != is_made[vertex] ||
+           memcmp(mesh->normals + 3 * (size_t)n, mesh->normals + 3 * (size_t)vertex, 12) != 0) {
         n = next_at_point[n];
     }
     return n;
@@ -94,7 +96,7 @@ static bool make_normals(girih_morphed_mesh *morphed, const bool *is_made) {
             last[point] = v;
         }
         for (uint32_t v = 0; v < mesh->vertex_count; v++) {
-            smooth[v] = find_smooth(mesh, v, next_at_point);
+            smooth[v] = find_smooth(mesh, v, is_made, next_at_point);
         }
         for (uint32_t t = 0; t < mesh->triangle_count; t++) {
             add_face(morphed, t, smooth, sums);
@@ -169,8 +171,7 @@ static void mend_seam(const girih_mesh *mesh, const float *normals, uint32_t edg
         return;
     }
     const uint32_t *seam = mesh->seams + 4 * (size_t)edge;
-    const uint32_t at_p =
-        mesh->edge_points[2 * (size_t)edge] == mesh->vertex_point[from] ? 0 : 1;
+    const uint32_t at_p = mesh->edge_points[2 * (size_t)edge] == mesh->vertex_point[from] ? 0 : 1;
     const girih_vector a_p = read_vector(normals + 3 * (size_t)seam[at_p]);
     const girih_vector a_q = read_vector(normals + 3 * (size_t)seam[1 - at_p]);
     const girih_vector b_p = read_vector(normals + 3 * (size_t)seam[2 + at_p]);

@@ -14,7 +14,7 @@ typedef struct girih_morph_arrays {
 
 // A mesh as a morph target has it at weight 1.
 typedef struct girih_morphed_mesh {
-    const girih_mesh *base;    // dynamic: every edge that may come apart is a seam
+    const girih_mesh *base;     // dynamic: every edge that may come apart is a seam
     float *positions, *normals; // [vertex_count][3]
     bool *is_moved;             // [vertex_count] its position or normal is another
 } girih_morphed_mesh;

@@ -155,11 +155,10 @@ static girih_result weld(girih_places *places, const girih_mesh *const *material
                      keys[*vertex]);
         }
     }
-    const char *reason = girih_weld(output, (const uint32_t(*)[GIRIH_WELD_KEY_WORDS])keys,
-                                    places->vertex_triangles);
+    const char *reason =
+        girih_weld(output, (const uint32_t(*)[GIRIH_WELD_KEY_WORDS])keys, places->vertex_triangles);
     free(keys);
-    return reason == NULL ? GIRIH_OK
-                          : girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "%s", reason);
+    return reason == NULL ? GIRIH_OK : girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "%s", reason);
 }
 
 girih_result girih_places_find(girih_places *places, const girih_model *model,

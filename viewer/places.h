@@ -35,10 +35,10 @@ void girih_places_free(girih_places *places); // takes {0}
 typedef struct girih_placed_vertices {
     const girih_mesh *mesh;
     uint32_t count;
-    const uint32_t *triangles;         // [count] of the mesh
-    const float (*barycentrics)[3];    // [count]
-    const uint32_t *sources;           // vertex of the mesh: vertex of the glTF mesh
-    uint32_t first_source;             // vertex of the glTF mesh that is the primitive's first
+    const uint32_t *triangles;      // [count] of the mesh
+    const float (*barycentrics)[3]; // [count]
+    const uint32_t *sources;        // vertex of the mesh: vertex of the glTF mesh
+    uint32_t first_source;          // vertex of the glTF mesh that is the primitive's first
 } girih_placed_vertices;
 
 // The vertices of the primitive at the corners of the triangle that a vertex lies on.

@@ -107,11 +107,13 @@ static const struct argp refine_argp = {
     own_options,
     parse,
     "MODEL -o OUT.glb\nMODEL... --output-folder FOLDER",
-    "Writes MODEL (.gltf or .glb) with its triangles refined: nodes, materials, textures and every "
-    "vertex attribute "
-    "are kept; skins, morph targets and animations are left out. Nothing is culled. --edge-pixels "
-    "measures each mesh "
-    "where it stands in its own space."
+    "Writes MODEL (.gltf or .glb) with its triangles refined. Everything else stays: nodes, "
+    "materials, textures, cameras, lights, animations, skins, morph targets, every vertex "
+    "attribute, points and lines, names, extras and extensions; what cannot stay, as extensions "
+    "that describe single vertices, is named on standard error. A vertex keeps as many joints as "
+    "the source's have, the heaviest. A morph target is the refined surface of the morphed mesh, "
+    "at weight 1; displacement does not follow it. Nothing is culled. --edge-pixels measures each "
+    "mesh where it stands in its own space."
     "\vExamples:\n"
     "  girih refine spot.glb --segments 4 -o fine.glb\n"
     "  girih refine models/*.glb --segments 4 --output-folder fine\n"

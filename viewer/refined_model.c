@@ -243,8 +243,7 @@ static bool fill_target(const maker *make, uint32_t number, uint32_t target) {
                                         make->model->vertex_sources[number], target);
     for (uint32_t n = 0; n < source->primitive_count && done; n++) {
         const girih_gltf_primitive *primitive = &source->primitives[n];
-        girih_primitive_arrays *arrays =
-            &make->to->arrays[make->model->first_material[mesh] + n];
+        girih_primitive_arrays *arrays = &make->to->arrays[make->model->first_material[mesh] + n];
         girih_placed_vertices vertices = placed_vertices(make, number, n);
         girih_morph_arrays *morph = &arrays->morphs[target];
         done = girih_morph_vertices(&morphed, primitive, target, make->surface,

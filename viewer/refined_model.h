@@ -10,8 +10,8 @@ typedef struct girih_primitive_arrays girih_primitive_arrays;
 
 typedef struct girih_refined_model {
     const girih_model *model;
-    girih_primitive_arrays *arrays;        // of all primitives, mesh by mesh
-    girih_gltf_refined_primitive *refined; // the same, as girih_gltf_write wants them
+    girih_primitive_arrays *arrays;              // of all primitives, mesh by mesh
+    girih_gltf_refined_primitive *refined;       // the same, as girih_gltf_write wants them
     const girih_gltf_refined_primitive **meshes; // [mesh_count] a mesh's first in `refined`
 } girih_refined_model;
 

@@ -90,7 +90,8 @@ const char *girih_weld(girih_cpu_output *output, const uint32_t (*keys)[GIRIH_WE
         Arrays moved = get_arrays(*output);
         Arrays compared = moved;
         if (keys != nullptr) {
-            compared = {{reinterpret_cast<unsigned char *>(const_cast<uint32_t(*)[GIRIH_WELD_KEY_WORDS]>(keys)),
+            compared = {{reinterpret_cast<unsigned char *>(
+                             const_cast<uint32_t(*)[GIRIH_WELD_KEY_WORDS]>(keys)),
                          sizeof *keys}};
         }
         if (triangles != nullptr) {
