@@ -8,7 +8,6 @@ if ! command -v Xvfb >/dev/null || ! command -v xdotool >/dev/null; then
     echo 'no Xvfb or no xdotool'
     exit 77
 fi
-write_skinned="$(dirname -- "$(realpath -- "$0")")/view.py"
 
 # shellcheck source=test/cli_functions.sh
 . "$(dirname -- "$0")/cli_functions.sh"
@@ -41,7 +40,7 @@ within() {
         if ((${EPOCHREALTIME/./} > end)); then
             return 1
         fi
-        sleep 0.02
+        sleep 0.05
     done
 }
 
@@ -211,21 +210,22 @@ picture again.png
 same again.png after.png
 close
 
-# --- A skinned model that moves ---
-python3 "$write_skinned" skinned.gltf
+# --- A model with a skin and morph targets that moves ---
 pictures=0
-open skinned.gltf --play --no-legend
+open "$assets/worm.glb" --play --no-legend
 picture first.png
 picture second.png
 differ first.png second.png
 keys space
 picture paused.png
-picture again.png
-same again.png paused.png
+keys w
+picture other.png
+differ other.png paused.png
 close
-expect 0 view skinned.gltf "${small[@]}" --animation bend --time 0.25 --frames 3 --no-legend -o bent.png
-expect 0 render skinned.gltf "${small[@]}" --animation bend --time 0.25 --no-legend -o render.png
-same bent.png render.png
+moment=(--animation 1 --time 0.4 --surface flat --no-legend)
+expect 0 view "$assets/worm.glb" "${small[@]}" "${moment[@]}" --frames 1 -o moment.png
+expect 0 render "$assets/worm.glb" "${small[@]}" "${moment[@]}" -o render.png
+same moment.png render.png
 
 # --- Files that are no good ---
 printf 'not glTF' >bad.glb
