@@ -25,7 +25,8 @@ grep -q 'girih render' err || fail "no display: nothing about girih render: $(<e
 
 # --- A display ---
 mkfifo display_number
-Xvfb -displayfd 3 -screen 0 800x600x24 3>display_number 2>xvfb &
+# Without -noreset it starts anew, and is not there, whenever a window was its last.
+Xvfb -noreset -displayfd 3 -screen 0 800x600x24 3>display_number 2>xvfb &
 server=$!
 trap 'kill "$server" 2>/dev/null; wait "$server" 2>/dev/null; rm -rf -- "$folder"' EXIT
 read -r number <display_number

@@ -295,6 +295,7 @@ static void compile_surface(session *s, const char *file) {
     snprintf(text, sizeof text, "compiled %.280s", s->shown->surface.file);
     fprintf(stderr, "girih: %s\n", text);
     say(s, false, text);
+    s->last = (girih_drawing){0}; // its plan may be gone
     s->controls.has_own = true;
     if (file != NULL) {
         s->controls.surface = GIRIH_SURFACE_OWN;
@@ -615,7 +616,7 @@ static girih_result run(session *s, girih_error *error) {
             result = draw_picture(s, error);
         }
         // Behind the picture that shows what the keys before have changed.
-        if (result == GIRIH_OK && s->controls.wants_picture) {
+        if (result == GIRIH_OK && s->controls.wants_picture && s->last.plan != NULL) {
             s->controls.wants_picture = false;
             take_picture(s);
         }
