@@ -32,11 +32,10 @@ typedef struct girih_arrays {
 void girih_arrays_free(girih_arrays *arrays, uint32_t first, uint32_t end);
 
 // Fills the catalogue's arrays (PATTERNS, PATTERN_VERTICES, PATTERN_INDICES), and the frame's
-// level_count, linear_spacing, pattern_count, range_count and index_bytes. Ranges are numbered in
-// the order of their patterns' ranks, a mirrored one right after its forward one. The replicas'
-// indices stand one after another, replica r with r * vertex_count added; an index is 2 bytes
-// unless a pattern of the catalogue needs 4, then all are 4. A mirrored triangle (a, c, b) keeps
-// its first corner.
+// level_count, linear_spacing, pattern_count and range_count. Ranges are numbered in the order of
+// their patterns' ranks, a mirrored one right after its forward one. The replicas' indices stand
+// one after another, replica r with r * vertex_count added. A mirrored triangle (a, c, b) keeps its
+// first corner.
 girih_result girih_pack_catalogue(girih_arrays *arrays, const girih_catalogue *catalogue,
                                   girih_error *error);
 

@@ -260,13 +260,13 @@ girih_result girih_context_needs(const girih_context_desc *desc,
 static girih_result number_indices(girih_context *context, girih_error *error) {
     girih_frame_block *frame = &context->catalogue.frame;
     const VkDeviceSize end = context->indices.offset + context->indices.size;
-    if (end < context->indices.offset || end / frame->index_bytes > UINT32_MAX) {
+    if (end < context->indices.offset || end / 4 > UINT32_MAX) {
         return girih_fail(error, GIRIH_ERROR_INVALID_ARGUMENT,
                           "catalogue indices: the range given ends beyond index %u of its buffer; "
                           "give one nearer to the buffer's begin",
                           UINT32_MAX);
     }
-    frame->first_index = (uint32_t)(context->indices.offset / frame->index_bytes);
+    frame->first_index = (uint32_t)(context->indices.offset / 4);
     return GIRIH_OK;
 }
 

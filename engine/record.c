@@ -258,10 +258,10 @@ void girih_cmd_draw(const girih_plan *plan, VkCommandBuffer commands, uint32_t m
                                   &plan->draw_set, 0, NULL);
     }
     // Bound at 0: lavapipe ignores the offset in indirect draws, so it is in their first index.
-    vk->CmdBindIndexBuffer(
-        commands,
-        pattern_indices ? context->indices.buffer : plan->buffers[GIRIH_PLAN_INDICES].buffer, 0,
-        pattern_indices && frame->index_bytes == 2 ? VK_INDEX_TYPE_UINT16 : VK_INDEX_TYPE_UINT32);
+    vk->CmdBindIndexBuffer(commands,
+                           pattern_indices ? context->indices.buffer
+                                           : plan->buffers[GIRIH_PLAN_INDICES].buffer,
+                           0, VK_INDEX_TYPE_UINT32);
     const uint32_t stride = sizeof(VkDrawIndexedIndirectCommand);
     VkDeviceSize offset = work->offset + plan->offset[GIRIH_BIND_DRAWS] +
                           (VkDeviceSize)material * frame->draws_per_material * stride;

@@ -24,7 +24,7 @@
                                       // triangle's edge (3 * triangle + 0..2) that owns it
 #define GIRIH_BIND_PATTERNS 12        // catalogue: GIRIH_PATTERN_WORDS a rank, then one word a range: rank
 #define GIRIH_BIND_PATTERN_VERTICES 13 // catalogue: u | v << 16
-#define GIRIH_BIND_PATTERN_INDICES 14 // catalogue: 2 or 4 bytes each, for draws; then, from an even word on,
+#define GIRIH_BIND_PATTERN_INDICES 14 // catalogue: one word each, for draws; then, from an even word on,
                                       // the patterns' triangles for output, two words each
 #define GIRIH_BIND_INSTANCES 15       // plan: GIRIH_INSTANCE_WORDS each, one more at the end
 #define GIRIH_BIND_BLOCKS 16          // plan: the instance of every 64th triangle, edge, weld edge, welded corner
@@ -117,7 +117,7 @@
 
 #define GIRIH_CHUNK_VERTICES 256u      // vertices an invocation evaluates at most
 #define GIRIH_DRAW_WORDS 5u            // VkDrawIndexedIndirectCommand
-#define GIRIH_DRAW_TRIANGLES 4096u     // triangles a baked draw's replicas hold at most, if more than one
+#define GIRIH_DRAW_TRIANGLES 2048u     // triangles a baked draw's replicas hold at most, if more than one
 
 // --- Splitting ------------------------------------------------------------------------------------
 //
@@ -259,7 +259,6 @@
     UINT draws_per_material; /* 0: none */ \
     UINT pattern_draws;      /* 1: baked draws use the catalogue's indices; 0: one draw of OUT_INDICES */ \
     UINT attribute_floats; \
-    UINT index_bytes;        /* of the catalogue's indices on the device */ \
     UINT triangle_blocks;    /* first word in BLOCKS of the triangles' instances */ \
     UINT edge_blocks; \
     UINT weld_blocks; \

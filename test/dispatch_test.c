@@ -332,7 +332,7 @@ static void draws_cover_everything_once(void **state) {
     stages welded =
         stages_begin(catalogue, &mesh, 1, NULL, 0, (girih_plan_shape){.mode = GIRIH_MODE_WELDED});
     const girih_frame_block *frame = &baked.arrays.frame;
-    assert_int_equal(frame->draws_per_material, frame->range_count + 2000000 / 2048);
+    assert_int_equal(frame->draws_per_material, frame->range_count + 2000000 / 1024);
     assert_int_equal(baked.arrays.count[GIRIH_BIND_DRAWS],
                      5 * frame->draws_per_material * frame->material_count);
     assert_int_equal(welded.arrays.count[GIRIH_BIND_DRAWS], 5 * frame->material_count);

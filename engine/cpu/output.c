@@ -5,25 +5,9 @@
 // Indices of the pattern's from `first` on, each with `base` added.
 static void copy_indices(const girih_arrays *arrays, uint32_t first, uint32_t count, uint32_t base,
                          uint32_t *restrict out) {
-    const uint32_t *restrict indices = arrays->words[GIRIH_BIND_PATTERN_INDICES];
-    if (arrays->frame.index_bytes == 4) {
-        for (uint32_t n = 0; n < count; ++n) {
-            out[n] = base + indices[first + n];
-        }
-        return;
-    }
-    uint32_t n = 0;
-    if ((first & 1) != 0 && count > 0) {
-        out[n++] = base + (indices[first >> 1] >> 16);
-    }
-    const uint32_t *restrict pairs = indices + ((first + n) >> 1);
-    const uint32_t whole = (count - n) / 2;
-    for (uint32_t pair = 0; pair < whole; ++pair) {
-        out[n + 2 * pair] = base + (pairs[pair] & 0xffff);
-        out[n + 2 * pair + 1] = base + (pairs[pair] >> 16);
-    }
-    if (n + 2 * whole < count) {
-        out[count - 1] = base + (pairs[whole] & 0xffff);
+    const uint32_t *restrict indices = arrays->words[GIRIH_BIND_PATTERN_INDICES] + first;
+    for (uint32_t n = 0; n < count; ++n) {
+        out[n] = base + indices[n];
     }
 }
 

@@ -22,11 +22,7 @@ static inline uint32_t girih_range_rank(const girih_arrays *arrays, uint32_t ran
 
 // Index n of the patterns'.
 static inline uint32_t girih_pattern_index(const girih_arrays *arrays, uint32_t n) {
-    const uint32_t *indices = arrays->words[GIRIH_BIND_PATTERN_INDICES];
-    if (arrays->frame.index_bytes == 4) {
-        return indices[n];
-    }
-    return indices[n >> 1] >> (16 * (n & 1)) & 0xffff;
+    return girih_word(arrays, GIRIH_BIND_PATTERN_INDICES, n);
 }
 
 static inline uint32_t girih_instance_word(const girih_arrays *arrays, uint32_t instance,
