@@ -47,7 +47,7 @@ static origin origin_of(const girih_catalogue *catalogue, uint32_t number) {
 girih_result bench_adaptive_layout(const girih_catalogue *catalogue,
                                    bench_adaptive_patterns *patterns, girih_error *error) {
     const uint64_t levels = catalogue->level_count;
-    *patterns = (bench_adaptive_patterns){.index_bytes = 2};
+    *patterns = (bench_adaptive_patterns){0};
     if (levels > 256) {
         return girih_fail(error, GIRIH_ERROR_TOO_LARGE, "%u levels have too many adaptive patterns",
                           catalogue->level_count);
@@ -64,16 +64,14 @@ girih_result bench_adaptive_layout(const girih_catalogue *catalogue,
                                                   .first_vertex = (int32_t)patterns->vertex_count};
         patterns->vertex_count += base->vertex_count;
         patterns->index_count += 3 * (uint64_t)base->triangle_count;
-        patterns->index_bytes = base->index_bytes == 4 ? 4 : patterns->index_bytes;
     }
     if (patterns->vertex_count > INT32_MAX || patterns->index_count > UINT32_MAX) {
         bench_adaptive_patterns_free(patterns);
         return girih_fail(error, GIRIH_ERROR_TOO_LARGE,
                           "the adaptive patterns are more than one buffer can hold");
     }
-    patterns->bytes = 4 * patterns->vertex_count + patterns->index_bytes * patterns->index_count;
-    patterns->base_bytes =
-        4 * catalogue->vertex_count + patterns->index_bytes * 3 * catalogue->triangle_count;
+    patterns->bytes = 4 * (patterns->vertex_count + patterns->index_count);
+    patterns->base_bytes = 4 * (catalogue->vertex_count + 3 * catalogue->triangle_count);
     return GIRIH_OK;
 }
 
@@ -95,8 +93,7 @@ static uint32_t permuted_vertex(uint32_t packed, uint32_t lambda) {
 }
 
 static void write_pattern(const girih_catalogue *catalogue, const origin *from,
-                          const bench_pattern_draw *draw, uint32_t index_bytes, uint32_t *vertices,
-                          void *indices) {
+                          const bench_pattern_draw *draw, uint32_t *vertices, uint32_t *indices) {
     const uint32_t *base = girih_catalogue_vertices(catalogue, from->base);
     for (uint32_t n = 0; n < from->base->vertex_count; ++n) {
         vertices[(size_t)draw->first_vertex + n] = permuted_vertex(base[n], from->lambda);
@@ -105,13 +102,8 @@ static void write_pattern(const girih_catalogue *catalogue, const origin *from,
     const uint32_t odd = GIRIH_LAMBDA_IS_ODD(from->lambda);
     const uint32_t order[3] = {0, odd ? 2 : 1, odd ? 1 : 2};
     for (uint32_t n = 0; n < draw->index_count; ++n) {
-        const uint32_t index =
+        indices[(size_t)draw->first_index + n] =
             girih_catalogue_index(catalogue, from->base, n / 3 * 3 + order[n % 3]);
-        if (index_bytes == 2) {
-            ((uint16_t *)indices)[(size_t)draw->first_index + n] = (uint16_t)index;
-        } else {
-            ((uint32_t *)indices)[(size_t)draw->first_index + n] = index;
-        }
     }
 }
 
@@ -131,17 +123,16 @@ static girih_result make_patterns(bench_adaptive *a, girih_error *error) {
     }
     const bench_adaptive_patterns *patterns = &a->patterns;
     const size_t vertex_bytes = 4 * (size_t)patterns->vertex_count;
-    const size_t index_bytes = patterns->index_bytes * (size_t)patterns->index_count;
+    const size_t index_bytes = 4 * (size_t)patterns->index_count;
     uint32_t *vertices = malloc(vertex_bytes);
-    void *indices = malloc(index_bytes);
+    uint32_t *indices = malloc(index_bytes);
     if (!vertices || !indices) {
         result = girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY,
                             "out of memory for %u adaptive patterns", patterns->pattern_count);
     } else {
         for (uint32_t n = 0; n < patterns->pattern_count; ++n) {
             const origin from = origin_of(catalogue, n);
-            write_pattern(catalogue, &from, &patterns->draws[n], patterns->index_bytes, vertices,
-                          indices);
+            write_pattern(catalogue, &from, &patterns->draws[n], vertices, indices);
         }
         result = upload(a->job->device, &a->vertices, vertices, vertex_bytes,
                         VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, error);
@@ -244,9 +235,7 @@ void bench_adaptive_draw(const bench_adaptive *adaptive, VkCommandBuffer command
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, adaptive->pipelines[raster]);
     bench_bind_layout(job->target, commands, &adaptive->layout, VK_PIPELINE_BIND_POINT_GRAPHICS);
     vkCmdBindVertexBuffers(commands, 0, 1, &adaptive->vertices.buffer, &offset);
-    vkCmdBindIndexBuffer(commands, adaptive->indices.buffer, 0,
-                         adaptive->patterns.index_bytes == 2 ? VK_INDEX_TYPE_UINT16
-                                                             : VK_INDEX_TYPE_UINT32);
+    vkCmdBindIndexBuffer(commands, adaptive->indices.buffer, 0, VK_INDEX_TYPE_UINT32);
     bench_begin_draws(job->target, commands, raster);
     for (uint32_t n = 0; n < adaptive->triangle_count; ++n) {
         if (selected[n] != BENCH_HIDDEN) {

@@ -16,8 +16,7 @@ typedef struct bench_adaptive_patterns {
     bench_pattern_draw *draws; // by bench_pattern_number
     uint32_t pattern_count;
     uint64_t vertex_count, index_count; // of all
-    uint32_t index_bytes;               // 2, or 4 where a pattern needs it
-    uint64_t bytes;                     // 4 a vertex, and the indices
+    uint64_t bytes;                     // 4 a vertex and an index, as girih's own
     uint64_t base_bytes;                // of the base patterns alone, stored likewise
 } bench_adaptive_patterns;
 girih_result bench_adaptive_layout(const girih_catalogue *catalogue,
