@@ -326,15 +326,12 @@ int girih_command_check(int argc, char **argv) {
             json_array_append_new(files, json);
         }
     }
-    // A single file that cannot be read has no object, several have those of the others.
-    if (options.json && (options.model_count > 1 || json_array_size(files) == 1)) {
-        json_t *root = options.model_count > 1 ? json_pack("{s:O}", "files", files)
-                                               : json_incref(json_array_get(files, 0));
-        if (girih_report_print(root) != GIRIH_EXIT_DONE) {
-            code = GIRIH_EXIT_FAILED;
-        }
+    if (options.json) {
+        int printed = girih_report_print_files(files, options.model_count);
+        code = code != GIRIH_EXIT_DONE ? code : printed;
+    } else {
+        json_decref(files);
     }
-    json_decref(files);
     free(options.models);
     return code;
 }

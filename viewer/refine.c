@@ -491,16 +491,12 @@ static int refine_files(const refine_options *options, refiner *machine, char *c
             json_array_append_new(files, json);
         }
     }
-    // A single model that failed has no object, several have those of the others.
-    if (options->json && (options->model_count > 1 || json_array_size(files) == 1)) {
-        json_t *root = options->model_count > 1 ? json_pack("{s:O}", "files", files)
-                                                : json_incref(json_array_get(files, 0));
-        if (girih_report_print(root) != GIRIH_EXIT_DONE) {
-            code = GIRIH_EXIT_FAILED;
-        }
+    if (!options->json) {
+        json_decref(files);
+        return code;
     }
-    json_decref(files);
-    return code;
+    int printed = girih_report_print_files(files, options->model_count);
+    return code != GIRIH_EXIT_DONE ? code : printed;
 }
 
 int girih_command_refine(int argc, char **argv) {

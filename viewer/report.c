@@ -186,3 +186,14 @@ int girih_report_print(json_t *root) {
     return failed ? girih_report_failure(NULL, "cannot write the JSON report to standard output")
                   : GIRIH_EXIT_DONE;
 }
+
+int girih_report_print_files(json_t *objects, uint32_t count) {
+    int code = GIRIH_EXIT_DONE;
+    if (count > 1) {
+        code = girih_report_print(json_pack("{s:O}", "files", objects));
+    } else if (json_array_size(objects) == 1) {
+        code = girih_report_print(json_incref(json_array_get(objects, 0)));
+    }
+    json_decref(objects);
+    return code;
+}

@@ -64,4 +64,8 @@ void girih_report_text(const char *device, const char *mode, const girih_statist
 // code: failed where root is NULL or standard output cannot be written.
 int girih_report_print(json_t *root);
 
+// The same for the objects of `count` files, and releases the array: one file's by itself, several
+// as {"files": [...]}. Files that failed have none; a single one that did prints nothing.
+int girih_report_print_files(json_t *objects, uint32_t count);
+
 #endif
