@@ -132,6 +132,40 @@ static void assert_near(const float *values, const float *expected, unsigned cou
     }
 }
 
+// The vertices of a pose's mesh as its node deforms them, its primitives' one behind another:
+// positions, then normals, 0 where there are none in the file. The caller frees it.
+static float *deform(const girih_pose *pose, uint32_t number, uint32_t *count) {
+    const girih_gltf_mesh *mesh = &pose->contents.meshes[number];
+    *count = 0;
+    for (uint32_t p = 0; p < mesh->primitive_count; p++) {
+        *count += mesh->primitives[p].vertex_count;
+    }
+    const size_t floats = 3 * (size_t)*count;
+    float *from = calloc(2 * floats + 1, sizeof *from);
+    float *vertices = malloc((2 * floats + 1) * sizeof *vertices);
+    uint32_t *sources = malloc((*count + 1) * sizeof *sources);
+    assert_true(from != NULL && vertices != NULL && sources != NULL);
+    for (uint32_t p = 0, first = 0; p < mesh->primitive_count; p++) {
+        const girih_gltf_primitive *primitive = &mesh->primitives[p];
+        const size_t at = 3 * (size_t)first, size = 12 * (size_t)primitive->vertex_count;
+        memcpy(from + at, primitive->positions, size);
+        if (primitive->normals != NULL) {
+            memcpy(from + floats + at, primitive->normals, size);
+        }
+        for (uint32_t v = 0; v < primitive->vertex_count; v++, first++) {
+            sources[first] = first;
+        }
+    }
+    girih_deformer deformer;
+    assert_true(girih_deformer_create(&deformer, mesh, sources, *count) &&
+                girih_deform(&deformer, pose, pose->mesh_nodes[number], from, from + floats,
+                             vertices, vertices + floats));
+    girih_deformer_free(&deformer);
+    free(sources);
+    free(from);
+    return vertices;
+}
+
 static void contents_of_a_rig(void **state) {
     (void)state;
     girih_gltf_model *model = load_rig(
@@ -284,20 +318,22 @@ static void weights_and_cameras(void **state) {
     girih_pose pose;
     assert_true(girih_pose_create(&pose, girih_gltf_get(model)));
     girih_pose_set(&pose, &pose.contents.animations[0], 2.5);
-    assert_true(girih_pose_deform(&pose));
     assert_int_equal(pose.contents.mesh_count, 3); // the file's, and one for each of its nodes
     assert_int_equal(pose.contents.meshes[0].primitive_count, 0);
     static const double weights[2] = {2, 0.75};
     for (unsigned p = 0; p < 2; p++) {
         assert_int_equal(pose.contents.placements[p].mesh, 1 + p);
-        const girih_gltf_primitive *primitive = &pose.contents.meshes[1 + p].primitives[0];
+        uint32_t count;
+        float *vertices = deform(&pose, 1 + p, &count);
+        assert_int_equal(count, 8);
         for (unsigned v = 0; v < 8; v++) {
             const float z = (float)weights[p] * rig_data.lifts[v][2];
             const float point[3] = {rig_data.positions[v][0], rig_data.positions[v][1], z};
             const float normal[3] = {(float)weights[p], 0, 1};
-            assert_memory_equal(primitive->positions + 3 * v, point, sizeof point);
-            assert_memory_equal(primitive->normals + 3 * v, normal, sizeof normal);
+            assert_memory_equal(vertices + 3 * v, point, sizeof point);
+            assert_memory_equal(vertices + 24 + 3 * v, normal, sizeof normal);
         }
+        free(vertices);
     }
     const double angle = 0.75 * 3.14159265358979323846 / 2;
     const float c = (float)cos(angle), s = (float)sin(angle);
@@ -317,10 +353,12 @@ static void pose_rig(const rig *data, const char *rest, float positions[8][3], f
     girih_pose pose;
     assert_true(girih_pose_create(&pose, girih_gltf_get(model)));
     girih_pose_set(&pose, &pose.contents.animations[0], 3);
-    assert_true(girih_pose_deform(&pose));
-    const girih_gltf_primitive *primitive = &pose.contents.meshes[1].primitives[0];
-    memcpy(positions, primitive->positions, 8 * sizeof *positions);
-    memcpy(normals, primitive->normals, 8 * sizeof *normals);
+    uint32_t count;
+    float *vertices = deform(&pose, 1, &count);
+    assert_int_equal(count, 8);
+    memcpy(positions, vertices, 8 * sizeof *positions);
+    memcpy(normals, vertices + 24, 8 * sizeof *normals);
+    free(vertices);
     memcpy(placement, pose.contents.placements[0].transform, 12 * sizeof(float));
     girih_pose_free(&pose);
     girih_gltf_destroy(model);
@@ -412,38 +450,72 @@ static void a_primitive_without_joints_moves_with_its_node(void **state) {
 
 // --- Models that move ---
 
+static void load_model(girih_model *model, const char *path, const girih_pose_options *pose) {
+    const girih_surface_options surface = {.surface = GIRIH_SURFACE_PN, .crease_degrees = 60};
+    girih_error error;
+    if (girih_model_load(model, path, GIRIH_MODEL_DRAW, &surface, pose, &error) != GIRIH_OK) {
+        print_error("%s\n", error.message);
+        fail();
+    }
+}
+
+// To the bit: the same triangles, and the same vertices, which are where the file's are by formula.
+static void assert_same_pose(const girih_model *one, const girih_model *other) {
+    assert_int_equal(one->mesh_count, other->mesh_count);
+    for (uint32_t m = 0; m < one->mesh_count; m++) {
+        const girih_mesh *a = one->meshes[m], *b = other->meshes[m];
+        const size_t size = 12 * (size_t)a->vertex_count;
+        assert_true(a->triangle_count == b->triangle_count && a->vertex_count == b->vertex_count);
+        assert_memory_equal(a->triangle_vertices, b->triangle_vertices,
+                            12 * (size_t)a->triangle_count);
+        assert_memory_equal(a->positions, b->positions, size);
+        assert_memory_equal(a->normals, b->normals, size);
+        assert_memory_equal(a->bounds_min, b->bounds_min, 12);
+        assert_memory_equal(a->bounds_max, b->bounds_max, 12);
+        if (!girih_model_is_deformed(one, m)) {
+            continue;
+        }
+        uint32_t count;
+        float *formula = deform(one->pose, one->mesh_source[m], &count);
+        for (uint32_t v = 0; v < a->vertex_count; v++) {
+            const float *p = a->positions + 3 * (size_t)v;
+            const float *q = formula + 3 * (size_t)one->vertex_sources[m][v];
+            assert_true(p[0] == q[0] && p[1] == q[1] && p[2] == q[2]); // -0 is 0
+        }
+        free(formula);
+    }
+}
+
 static void moving_meshes(void **state) {
     (void)state;
     write_rig(&rig_data, SKINNED);
     char path[1024];
     snprintf(path, sizeof path, "%s", folder_path("rig.glb"));
-    const girih_surface_options surface = {.surface = GIRIH_SURFACE_PN};
     const girih_pose_options at_3 = {.has_time = true, .time = 3};
-    const girih_pose_options moves = {.moves = true};
     girih_model posed, moving;
     girih_error error;
-    assert_int_equal(girih_model_load(&posed, path, GIRIH_MODEL_DRAW, &surface, &at_3, &error),
-                     GIRIH_OK);
-    assert_int_equal(girih_model_load(&moving, path, GIRIH_MODEL_DRAW, &surface, &moves, &error),
-                     GIRIH_OK);
-    assert_true(!posed.is_dynamic && moving.is_dynamic && moving.meshes[0]->dynamic);
+    load_model(&posed, path, &at_3);
+    load_model(&moving, path, NULL);
+    assert_true(posed.is_dynamic && moving.is_dynamic && moving.meshes[0]->dynamic);
+    // The last two vertices have no triangle with an area.
     assert_true(girih_model_is_deformed(&moving, 0) && moving.meshes[0]->vertex_count == 6);
     for (unsigned run = 0; run < 2; run++) {
         const girih_gltf_animation *animation = &moving.contents->animations[0];
         assert_int_equal(girih_model_move(&moving, animation, 2, &error), GIRIH_OK);
         assert_int_equal(girih_model_move(&moving, animation, 3, &error), GIRIH_OK);
-        float vertices[6][6]; // the last two vertices have no triangle with an area
+        assert_same_pose(&posed, &moving);
+        float vertices[6][6];
         girih_model_vertices(&moving, 0, vertices[0]);
         for (unsigned v = 0; v < 6; v++) {
             assert_memory_equal(vertices[v], posed.meshes[0]->positions + 3 * v, 12);
-            assert_near(vertices[v] + 3, posed.meshes[0]->normals + 3 * v, 3, 1e-6f);
+            assert_memory_equal(vertices[v] + 3, posed.meshes[0]->normals + 3 * v, 12);
         }
-        assert_memory_equal(moving.meshes[0]->bounds_max, posed.meshes[0]->bounds_max, 12);
     }
     assert_int_equal(girih_model_move(&moving, NULL, 0, &error), GIRIH_OK);
     assert_near(moving.meshes[0]->positions, rig_data.positions[0], 18, 0);
     girih_model_free(&posed);
     girih_model_free(&moving);
+    const girih_surface_options surface = {.surface = GIRIH_SURFACE_PN};
     const girih_pose_options other = {.animation = "run"};
     assert_int_not_equal(girih_model_load(&posed, path, GIRIH_MODEL_DRAW, &surface, &other, &error),
                          GIRIH_OK);
@@ -458,34 +530,82 @@ static void moving_mixed_meshes(void **state) {
               "'indices':12},{'attributes':" SURFACE ",'indices':12},{'attributes':{'POSITION':9,"
               "'JOINTS_0':2,'WEIGHTS_0':3}}]}]," SKIN ",'nodes':[{'mesh':0,'skin':0}," BONES
               "]," TURNING);
-    const girih_surface_options surface = {.surface = GIRIH_SURFACE_PN};
-    const girih_pose_options options[2] = {{.has_time = true, .time = 3},
-                                           {.has_time = true, .time = 3, .moves = true}};
-    girih_model models[2];
+    const girih_pose_options at_3 = {.has_time = true, .time = 3};
+    girih_model posed, moving;
     girih_error error;
-    for (unsigned n = 0; n < 2; n++) {
-        assert_int_equal(girih_model_load(&models[n], folder_path("rig.glb"), GIRIH_MODEL_DRAW,
-                                          &surface, &options[n], &error),
-                         GIRIH_OK);
-    }
-    const girih_mesh *posed = models[0].meshes[0], *moving = models[1].meshes[0];
-    assert_true(posed->triangle_count == 10 && moving->triangle_count == 10);
-    for (unsigned corner = 0; corner < 30; corner++) {
-        assert_memory_equal(posed->positions + 3 * (size_t)posed->triangle_vertices[corner],
-                            moving->positions + 3 * (size_t)moving->triangle_vertices[corner], 12);
-    }
-    girih_model_free(&models[0]);
-    girih_model_free(&models[1]);
+    load_model(&posed, folder_path("rig.glb"), &at_3);
+    load_model(&moving, folder_path("rig.glb"), NULL);
+    assert_int_equal(girih_model_move(&moving, &moving.contents->animations[0], 3, &error),
+                     GIRIH_OK);
+    assert_int_equal(posed.meshes[0]->triangle_count, 10);
+    assert_same_pose(&posed, &moving);
+    girih_model_free(&posed);
+    girih_model_free(&moving);
 }
 
-// A model that is posed has the seams, the open edges and the points that it has at rest.
+// Folded by 90 degrees, more than the crease angle, a strip that is flat at rest gets no crease: it
+// is what it would be with its normals in the file.
+static void made_normals_follow_the_skin(void **state) {
+    (void)state;
+    rig data = rig_data;
+    static const float fold[4] = {HALF_TURN_ROOT, 0, 0, HALF_TURN_ROOT}; // about x
+    memcpy(data.turns[1], fold, sizeof fold);
+    const girih_pose_options at_3 = {.has_time = true, .time = 3};
+    girih_model given, made;
+    write_rig(&data, SKINNED);
+    load_model(&given, folder_path("rig.glb"), &at_3);
+    write_rig(&data, "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'JOINTS_0':2,"
+                     "'WEIGHTS_0':3},'indices':12}]}]," SKIN ",'nodes':[{'mesh':0,'skin':0}," BONES
+                     "]," TURNING);
+    load_model(&made, folder_path("rig.glb"), &at_3);
+    assert_true(made.moving[0].prepared->made_normals);
+    assert_near(made.meshes[0]->normals, (const float[]){0, 0, 1}, 3, 0);
+    assert_near(made.meshes[0]->normals + 6, (const float[]){0, -1, 0}, 3, 1e-6f);
+    assert_same_pose(&given, &made);
+    girih_model_free(&given);
+    girih_model_free(&made);
+}
+
+// What is one point at rest is one point in a pose by formula, and a mesh that is prepared from the
+// vertices of the pose has the triangles, the edges and the open edges that it has at rest.
+static void assert_is_closed(const girih_model *model, uint32_t number) {
+    const girih_moving_mesh *moving = &model->moving[number];
+    const girih_mesh *rest = moving->prepared;
+    const uint32_t source = model->mesh_source[number];
+    const size_t size = 12 * (size_t)rest->vertex_count;
+    float *positions = malloc(size), *normals = malloc(size);
+    assert_true(positions != NULL && normals != NULL);
+    assert_true(girih_deform(&moving->deformer, model->pose, model->pose->mesh_nodes[source],
+                             rest->positions, rest->normals, positions, normals));
+    for (uint32_t v = 0; v < rest->vertex_count; v++) {
+        const float *p = positions + 3 * (size_t)v;
+        const float *q = positions + 3 * (size_t)rest->vertex_point[v];
+        assert_true(p[0] == q[0] && p[1] == q[1] && p[2] == q[2]); // -0 is 0
+    }
+    const girih_mesh_desc desc = {
+        .name = "posed",
+        .vertex_count = rest->vertex_count,
+        .positions = positions,
+        .indices = rest->triangle_vertices,
+        .index_count = 3 * rest->triangle_count,
+        .missing_normals = GIRIH_NORMALS_SMOOTH,
+        .crease_degrees = 180,
+    };
+    const girih_mesh *posed;
+    girih_error error;
+    assert_int_equal(girih_mesh_create(&desc, &posed, &error), GIRIH_OK);
+    assert_int_equal(posed->triangle_count, rest->triangle_count);
+    assert_int_equal(posed->edge_count, rest->edge_count);
+    assert_int_equal(posed->open_edges, rest->open_edges);
+    girih_mesh_destroy(posed);
+    free(positions);
+    free(normals);
+}
+
 static void assert_stays_closed(const char *path, unsigned times) {
-    const girih_surface_options surface = {.surface = GIRIH_SURFACE_PN};
-    const girih_pose_options rest = {.moves = true};
     girih_model model, posed;
     girih_error error;
-    assert_int_equal(girih_model_load(&model, path, GIRIH_MODEL_DRAW, &surface, &rest, &error),
-                     GIRIH_OK);
+    load_model(&model, path, NULL);
     assert_true(model.is_dynamic);
     for (uint32_t a = 0; a < model.contents->animation_count; a++) {
         const girih_gltf_animation *animation = &model.contents->animations[a];
@@ -495,21 +615,13 @@ static void assert_stays_closed(const char *path, unsigned times) {
             snprintf(number, sizeof number, "%u", a);
             const girih_pose_options then = {
                 .has_time = true, .time = seconds, .animation = number};
-            assert_int_equal(
-                girih_model_load(&posed, path, GIRIH_MODEL_DRAW, &surface, &then, &error),
-                GIRIH_OK);
+            load_model(&posed, path, &then);
             assert_int_equal(girih_model_move(&model, animation, (double)seconds, &error),
                              GIRIH_OK);
-            assert_int_equal(posed.mesh_count, model.mesh_count);
+            assert_same_pose(&posed, &model);
             for (uint32_t m = 0; m < model.mesh_count; m++) {
-                const girih_mesh *one = posed.meshes[m], *other = model.meshes[m];
-                assert_int_equal(one->triangle_count, other->triangle_count);
-                assert_int_equal(one->edge_count, other->edge_count);
-                assert_int_equal(one->open_edges, other->open_edges);
-                for (uint32_t c = 0; c < 3 * one->triangle_count; c++) {
-                    const float *p = one->positions + 3 * (size_t)one->triangle_vertices[c];
-                    const float *q = other->positions + 3 * (size_t)other->triangle_vertices[c];
-                    assert_true(p[0] == q[0] && p[1] == q[1] && p[2] == q[2]); // -0 is 0
+                if (girih_model_is_deformed(&model, m)) {
+                    assert_is_closed(&model, m);
                 }
             }
             girih_model_free(&posed);
@@ -570,7 +682,12 @@ static void mutations_never_crash(void **state) {
         if (model != NULL && girih_gltf_get(model)->animation_count > 0) {
             assert_true(girih_pose_create(&pose, girih_gltf_get(model)));
             girih_pose_set(&pose, &pose.contents.animations[0], 2);
-            assert_true(girih_pose_deform(&pose));
+            for (uint32_t m = 0; m < pose.contents.mesh_count; m++) {
+                uint32_t count;
+                if (pose.mesh_nodes[m] != GIRIH_GLTF_NO_NODE) {
+                    free(deform(&pose, m, &count));
+                }
+            }
             girih_pose_free(&pose);
             posed++;
         }
@@ -657,6 +774,7 @@ int main(void) {
         cmocka_unit_test(a_primitive_without_joints_moves_with_its_node),
         cmocka_unit_test(moving_meshes),
         cmocka_unit_test(moving_mixed_meshes),
+        cmocka_unit_test(made_normals_follow_the_skin),
         cmocka_unit_test(nothing_opens),
         cmocka_unit_test(mutations_never_crash),
         cmocka_unit_test(broken_files_are_refused),

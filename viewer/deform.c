@@ -14,7 +14,7 @@ static void find_vertices(girih_deformer *deformer, const uint32_t *sources) {
     uint32_t primitive = 0;
     uint32_t first = 0; // vertex of the primitive
     for (uint32_t v = 0; v < deformer->vertex_count; v++) {
-        uint32_t source = sources != NULL ? sources[v] : v;
+        uint32_t source = sources[v];
         while (source < first) {
             first -= mesh->primitives[--primitive].vertex_count;
         }
@@ -204,8 +204,8 @@ bool girih_deform(const girih_deformer *deformer, const girih_pose *pose, uint32
                   const float *from_positions, const float *from_normals, float *positions,
                   float *normals) {
     size_t size = (size_t)deformer->vertex_count * 3 * sizeof(float);
-    memmove(positions, from_positions, size);
-    memmove(normals, from_normals, size);
+    memcpy(positions, from_positions, size);
+    memcpy(normals, from_normals, size);
     for (uint32_t t = 0; t < deformer->mesh->target_count; t++) {
         float weight = (float)pose->weights[pose->first_weights[node] + t];
         if (weight != 0.0f) {

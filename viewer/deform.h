@@ -21,17 +21,16 @@ typedef struct girih_deformer {
 } girih_deformer;
 
 // Of vertices that are sources[0..] of the mesh's, those of its primitives being counted one after
-// another; all of them in order where sources is NULL. False: out of memory; girih_deformer_free
-// takes it in any case.
+// another. False: out of memory; girih_deformer_free takes it in any case.
 bool girih_deformer_create(girih_deformer *deformer, const girih_gltf_mesh *mesh,
                            const uint32_t *sources, uint32_t vertex_count);
 
 void girih_deformer_free(girih_deformer *deformer); // takes {0}
 
 // Deforms vertices, 3 floats each, as a node of the pose does that has the deformer's mesh, into
-// the space of that node's placement in the pose. The results may go where the vertices are. Where
-// there is a skin normals become unit vectors, or 0 where none can be told. Coordinates may be
-// infinite, or no numbers, where the file's are large. False: out of memory.
+// the space of that node's placement in the pose. Where there is a skin normals become unit
+// vectors, or 0 where none can be told. Coordinates may be infinite, or no numbers, where the
+// file's are large. False: out of memory.
 bool girih_deform(const girih_deformer *deformer, const girih_pose *pose, uint32_t node,
                   const float *from_positions, const float *from_normals, float *positions,
                   float *normals);

@@ -41,8 +41,8 @@ typedef struct girih_model {
 
     uint32_t mesh_count;
     const girih_mesh **meshes; // [mesh_count]
-    bool is_dynamic;           // they are, and some are deformed: girih_model_move
-    girih_moving_mesh *moving; // [mesh_count], where they are
+    bool is_dynamic;           // DRAW: some are deformed, and all prepared so that they can be
+    girih_moving_mesh *moving; // [mesh_count], where it is dynamic
     uint32_t *mesh_source;     // [mesh_count] the glTF mesh
     uint32_t *mesh_number;     // [contents->mesh_count] index into meshes, or GIRIH_MODEL_NONE
 
@@ -70,7 +70,7 @@ girih_result girih_model_load(girih_model *model, const char *path, girih_model_
                               const girih_surface_options *surface, const girih_pose_options *pose,
                               girih_error *error);
 
-// Moves a model that was loaded to be moved to a moment of an animation of its contents, NULL: to
+// Moves a model that was loaded for DRAW to a moment of an animation of its contents, NULL: to
 // where its nodes are by themselves. Meshes, placements and cameras are changed in place;
 // girih_model_instances tells where the meshes are then. Fails where it moves a mesh too far.
 girih_result girih_model_move(girih_model *model, const girih_gltf_animation *animation,
@@ -95,8 +95,8 @@ void girih_model_free_meshes(girih_model *model);
 
 void girih_model_free(girih_model *model);
 
-// For girih_model_load, which poses a model before its meshes are prepared, and begins to move each
-// when it is.
+// For girih_model_load, which poses nodes before meshes are prepared, and moves each mesh when it
+// is.
 girih_result girih_model_pose(girih_model *model, const girih_pose_options *options,
                               girih_error *error);
 girih_result girih_model_begin_moving(girih_model *model, uint32_t mesh, girih_error *error);

@@ -1,5 +1,6 @@
-// A model in a pose: posed once before its meshes are prepared, or prepared once and moved again
-// and again.
+// A model in a pose: its meshes are prepared once, as they are in the file, whatever the pose is,
+// and what its nodes deform is moved from there. So a pose has the topology, the creases and the
+// made normals of every other, and a picture of a moment is the one that comes by while it plays.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,10 +56,8 @@ girih_result girih_model_pose(girih_model *model, const girih_pose_options *opti
         girih_pose_set(model->pose, animation, (double)options->time);
     }
     model->contents = &model->pose->contents;
-    model->is_dynamic =
-        options != NULL && options->moves && model->contents->mesh_count > file->mesh_count;
-    // Meshes that are moved are prepared as they are in the file, whatever the pose is then.
-    return model->is_dynamic || girih_pose_deform(model->pose) ? GIRIH_OK : no_memory(error);
+    model->is_dynamic = model->contents->mesh_count > file->mesh_count;
+    return GIRIH_OK;
 }
 
 // --- Moving meshes ---

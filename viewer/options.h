@@ -44,7 +44,6 @@ typedef struct girih_pose_options {
     bool has_time;
     float time;            // seconds
     const char *animation; // number or name, NULL: the first
-    bool moves;            // the model will be posed again and again: girih_model_move
 } girih_pose_options;
 
 typedef struct girih_device_options {

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "deform.h"
 #include "node_transform.h"
 
 // --- Samplers ---
@@ -108,24 +107,16 @@ static size_t target_count(const girih_gltf_contents *file, uint32_t node) {
 static bool copy_meshes(girih_pose *pose) {
     const girih_gltf_contents *file = pose->file;
     size_t mesh_count = file->mesh_count;
-    size_t primitive_count = 0;
     for (uint32_t n = 0; n < file->placement_count; n++) {
-        if (is_deformed(file, &file->placements[n])) {
-            mesh_count++;
-            primitive_count += file->meshes[file->placements[n].mesh].primitive_count;
-        }
+        mesh_count += is_deformed(file, &file->placements[n]);
     }
     pose->meshes = malloc((mesh_count + 1) * sizeof *pose->meshes);
     pose->mesh_nodes = malloc((mesh_count + 1) * sizeof *pose->mesh_nodes);
-    pose->vertices = calloc(mesh_count + 1, sizeof *pose->vertices);
-    pose->primitives = malloc((primitive_count + 1) * sizeof *pose->primitives);
     bool *is_used = calloc((size_t)file->mesh_count + 1, sizeof *is_used);
-    if (pose->meshes == NULL || pose->mesh_nodes == NULL || pose->vertices == NULL ||
-        pose->primitives == NULL || is_used == NULL) {
+    if (pose->meshes == NULL || pose->mesh_nodes == NULL || is_used == NULL) {
         free(is_used);
         return false;
     }
-    girih_gltf_primitive *next = pose->primitives;
     uint32_t count = file->mesh_count;
     for (uint32_t n = 0; n < file->placement_count; n++) {
         const girih_gltf_placement *placement = &file->placements[n];
@@ -133,13 +124,7 @@ static bool copy_meshes(girih_pose *pose) {
             is_used[placement->mesh] = true;
             continue;
         }
-        girih_gltf_mesh *mesh = &pose->meshes[count];
-        *mesh = file->meshes[placement->mesh];
-        for (uint32_t p = 0; p < mesh->primitive_count; p++) {
-            next[p] = mesh->primitives[p];
-        }
-        mesh->primitives = next;
-        next += mesh->primitive_count;
+        pose->meshes[count] = file->meshes[placement->mesh];
         pose->mesh_nodes[count] = placement->node;
         pose->placements[n].mesh = count++;
     }
@@ -240,62 +225,7 @@ void girih_pose_set(girih_pose *pose, const girih_gltf_animation *animation, dou
     }
 }
 
-// --- Vertices ---
-
-// A copy of a file's mesh with arrays of its own: positions and normals of all primitives in one.
-static bool deform_mesh(girih_pose *pose, uint32_t number) {
-    girih_gltf_mesh *mesh = &pose->meshes[number];
-    uint32_t node = pose->mesh_nodes[number];
-    const girih_gltf_mesh *source = &pose->file->meshes[pose->file->nodes[node].mesh];
-    size_t count = 0;
-    for (uint32_t p = 0; p < source->primitive_count; p++) {
-        count += source->primitives[p].vertex_count;
-    }
-    float *vertices = count > UINT32_MAX ? NULL : malloc((count * 6 + 1) * sizeof *vertices);
-    if (vertices == NULL) {
-        return false;
-    }
-    free(pose->vertices[number]);
-    pose->vertices[number] = vertices;
-    float *positions = vertices;
-    float *normals = vertices + 3 * count;
-    girih_gltf_primitive *primitives = pose->primitives + (mesh->primitives - pose->primitives);
-    size_t first = 0;
-    for (uint32_t p = 0; p < source->primitive_count; p++) {
-        const girih_gltf_primitive *from = &source->primitives[p];
-        size_t size = (size_t)from->vertex_count * 3 * sizeof(float);
-        primitives[p].positions = positions + 3 * first;
-        memcpy(positions + 3 * first, from->positions, size);
-        if (from->normals != NULL) {
-            primitives[p].normals = normals + 3 * first;
-            memcpy(normals + 3 * first, from->normals, size);
-        } else {
-            memset(normals + 3 * first, 0, size);
-        }
-        first += from->vertex_count;
-    }
-    girih_deformer deformer;
-    bool is_done = girih_deformer_create(&deformer, source, NULL, (uint32_t)count) &&
-                   girih_deform(&deformer, pose, node, positions, normals, positions, normals);
-    girih_deformer_free(&deformer);
-    return is_done;
-}
-
-bool girih_pose_deform(girih_pose *pose) {
-    for (uint32_t m = pose->file->mesh_count; m < pose->contents.mesh_count; m++) {
-        if (!deform_mesh(pose, m)) {
-            return false;
-        }
-    }
-    return true;
-}
-
 void girih_pose_free(girih_pose *pose) {
-    for (uint32_t m = 0; pose->vertices != NULL && m < pose->contents.mesh_count; m++) {
-        free(pose->vertices[m]);
-    }
-    free(pose->vertices);
-    free(pose->primitives);
     free(pose->cameras);
     free(pose->placements);
     free(pose->meshes);

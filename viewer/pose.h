@@ -7,9 +7,10 @@
 
 // The contents of a pose are the file's but for meshes, placements and cameras. Each placement of a
 // mesh that its node deforms, by a skin or by morph targets, has a mesh of its own there, behind
-// the file's; a mesh of the file that is nowhere placed as it is has no primitives left. A skinned
-// mesh is posed in the world, so its placement is the identity, or a reflection where its node's
-// transform is one: that, and nothing else of it, tells which side is outside.
+// the file's, with vertices as in the file (deform.h moves them); a mesh of the file that is
+// nowhere placed as it is has no primitives left. A skinned mesh is deformed into the world, so its
+// placement is the identity, or a reflection where its node's transform is one: that, and nothing
+// else of it, tells which side is outside.
 typedef struct girih_pose {
     const girih_gltf_contents *file; // outlives the pose
     girih_gltf_contents contents;
@@ -24,22 +25,16 @@ typedef struct girih_pose {
     girih_gltf_mesh *meshes;
     girih_gltf_placement *placements;
     girih_gltf_camera *cameras;
-    girih_gltf_primitive *primitives;
-    float **vertices; // [contents.mesh_count] of meshes that are deformed, or NULL
 } girih_pose;
 
-// The pose that the file's nodes have by themselves; vertices are as in the file until
-// girih_pose_deform. False: out of memory. girih_pose_free takes it in any case.
+// The pose that the file's nodes have by themselves. False: out of memory. girih_pose_free takes it
+// in any case.
 bool girih_pose_create(girih_pose *pose, const girih_gltf_contents *file);
 
 // Moves nodes, placements, cameras and weights to a moment of an animation; what it does not
 // animate has the pose of the file. Before the first key that one holds, behind the last key the
-// last. NULL: no animation. Vertices stay.
+// last. NULL: no animation.
 void girih_pose_set(girih_pose *pose, const girih_gltf_animation *animation, double seconds);
-
-// Deforms the vertices of the contents' meshes as the pose is now. False: out of memory. What it
-// makes may be infinite where the file's numbers are large.
-bool girih_pose_deform(girih_pose *pose);
 
 void girih_pose_free(girih_pose *pose); // takes {0}
 

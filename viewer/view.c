@@ -265,8 +265,7 @@ static girih_result drop_model(session *s, const char *path, girih_error *error)
     if (idle != VK_SUCCESS) {
         return girih_vulkan_failure(error, "vkDeviceWaitIdle", idle);
     }
-    const girih_pose_options pose = {.moves = true};
-    if (open_model(s, path, &pose, &shown, &reason) != GIRIH_OK) {
+    if (open_model(s, path, NULL, &shown, &reason) != GIRIH_OK) {
         girih_report_failure(NULL, reason.message);
         say(s, true, reason.message);
         return GIRIH_OK;
@@ -642,9 +641,7 @@ static girih_result open_all(session *s, girih_error *error) {
     }
     girih_shown_model *shown = NULL;
     if (result == GIRIH_OK) {
-        girih_pose_options pose = options->pose;
-        pose.moves = true;
-        result = open_model(s, options->model, &pose, &shown, error);
+        result = open_model(s, options->model, &options->pose, &shown, error);
     }
     if (result == GIRIH_OK) {
         take_model(s, shown);
