@@ -566,6 +566,42 @@ static void made_normals_follow_the_skin(void **state) {
     girih_model_free(&made);
 }
 
+// Triangles that are drawn flat have their own normals in every pose. The mixed mesh's first
+// primitive has none in the file: what it has is right for where its vertices are.
+static void flat_normals_are_the_triangles_own(void **state) {
+    (void)state;
+    rig data = rig_data;
+    // Bent at rest, so that no two triangles lie in one plane and have vertices in common.
+    for (unsigned v = 0; v < 8; v++) {
+        data.positions[v][2] = (float)(v * v) / 16;
+    }
+    write_rig(&data, "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'JOINTS_0':2,"
+                     "'WEIGHTS_0':3},'indices':12},{'attributes':" SURFACE ",'indices':12}]}]," SKIN
+                     ",'nodes':[{'mesh':0,'skin':0}," BONES "]," TURNING);
+    const girih_surface_options surface = {.surface = GIRIH_SURFACE_FLAT};
+    const girih_pose_options at_2 = {.has_time = true, .time = 2};
+    girih_model model;
+    girih_error error;
+    assert_int_equal(
+        girih_model_load(&model, folder_path("rig.glb"), GIRIH_MODEL_DRAW, &surface, &at_2, &error),
+        GIRIH_OK);
+    const girih_mesh *mesh = model.meshes[0];
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        const bool is_made = t < mesh->triangle_count / 2;
+        const uint32_t *corners = mesh->triangle_vertices + 3 * (size_t)t;
+        for (unsigned c = 0; c < 3; c++) {
+            const float *p = mesh->positions + 3 * (size_t)corners[c];
+            const float *q = mesh->positions + 3 * (size_t)corners[(c + 1) % 3];
+            const float *n = mesh->normals + 3 * (size_t)corners[c];
+            const float *first = mesh->normals + 3 * (size_t)corners[0];
+            const float along = n[0] * (q[0] - p[0]) + n[1] * (q[1] - p[1]) + n[2] * (q[2] - p[2]);
+            assert_true(!is_made || (fabsf(along) < 1e-6f && memcmp(n, first, 12) == 0));
+            assert_true(fabsf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1) < 1e-6f);
+        }
+    }
+    girih_model_free(&model);
+}
+
 // What is one point at rest is one point in a pose by formula, and a mesh that is prepared from the
 // vertices of the pose has the triangles, the edges and the open edges that it has at rest.
 static void assert_is_closed(const girih_model *model, uint32_t number) {
@@ -775,6 +811,7 @@ int main(void) {
         cmocka_unit_test(moving_meshes),
         cmocka_unit_test(moving_mixed_meshes),
         cmocka_unit_test(made_normals_follow_the_skin),
+        cmocka_unit_test(flat_normals_are_the_triangles_own),
         cmocka_unit_test(nothing_opens),
         cmocka_unit_test(mutations_never_crash),
         cmocka_unit_test(broken_files_are_refused),

@@ -490,7 +490,7 @@ static girih_result prepare_meshes(girih_model *model, const girih_surface_optio
         model->mesh_number[m] = number;
         model->mesh_count++;
         if (result == GIRIH_OK && model->is_dynamic) {
-            result = girih_model_begin_moving(model, number, error);
+            result = girih_model_begin_moving(model, number, surface, error);
         }
         if (result != GIRIH_OK) {
             return result;

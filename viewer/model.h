@@ -29,6 +29,7 @@ typedef struct girih_moving_mesh {
     girih_deformer deformer;
     girih_mesh now;
     float *vertices; // now's positions and normals
+    bool is_flat;    // normals that the file lacks are the triangles' own
 } girih_moving_mesh;
 
 #define GIRIH_MODEL_NONE UINT32_MAX
@@ -99,7 +100,8 @@ void girih_model_free(girih_model *model);
 // is.
 girih_result girih_model_pose(girih_model *model, const girih_pose_options *options,
                               girih_error *error);
-girih_result girih_model_begin_moving(girih_model *model, uint32_t mesh, girih_error *error);
+girih_result girih_model_begin_moving(girih_model *model, uint32_t mesh,
+                                      const girih_surface_options *surface, girih_error *error);
 
 // The instances of the file's placements; of every mesh once, untransformed, where placed is false.
 // Meshes whose triangles all have two corners at one point have none; where no other mesh is there,

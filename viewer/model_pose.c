@@ -62,6 +62,56 @@ girih_result girih_model_pose(girih_model *model, const girih_pose_options *opti
 
 // --- Moving meshes ---
 
+static bool has_flat_normal(const girih_moving_mesh *moving, uint32_t vertex) {
+    const girih_deformer *deformer = &moving->deformer;
+    return moving->is_flat &&
+           deformer->mesh->primitives[deformer->primitives[vertex]].normals == NULL;
+}
+
+// The unit vector of a sum, 0 where it has no length.
+static void normalize(const double sum[3], double unit[3]) {
+    double length = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+    for (int c = 0; c < 3; c++) {
+        unit[c] = length > 0.0 ? sum[c] / length : 0.0;
+    }
+}
+
+// Flat normals are the triangles' own in every pose. Triangles in one plane at rest may have a
+// vertex in common, whose normal is the mean.
+static void make_flat_normals(const girih_moving_mesh *moving, const float *positions,
+                              float *normals) {
+    const girih_mesh *mesh = moving->prepared;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        if (has_flat_normal(moving, v)) {
+            memset(normals + 3 * (size_t)v, 0, 3 * sizeof(float));
+        }
+    }
+    for (uint32_t triangle = 0; triangle < mesh->triangle_count; triangle++) {
+        const uint32_t *vertices = mesh->triangle_vertices + 3 * (size_t)triangle;
+        double sides[2][3];
+        for (size_t n = 0; n < 6; n++) {
+            sides[n / 3][n % 3] = (double)positions[3 * (size_t)vertices[1 + n / 3] + n % 3] -
+                                  (double)positions[3 * (size_t)vertices[0] + n % 3];
+        }
+        double unit[3];
+        normalize((const double[]){sides[0][1] * sides[1][2] - sides[0][2] * sides[1][1],
+                                   sides[0][2] * sides[1][0] - sides[0][0] * sides[1][2],
+                                   sides[0][0] * sides[1][1] - sides[0][1] * sides[1][0]},
+                  unit);
+        for (size_t n = 0; n < 9 && has_flat_normal(moving, vertices[0]); n++) {
+            normals[3 * (size_t)vertices[n / 3] + n % 3] += (float)unit[n % 3];
+        }
+    }
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        float *normal = normals + 3 * (size_t)v;
+        double unit[3];
+        normalize((const double[]){(double)normal[0], (double)normal[1], (double)normal[2]}, unit);
+        for (int c = 0; c < 3 && has_flat_normal(moving, v); c++) {
+            normal[c] = (float)unit[c];
+        }
+    }
+}
+
 static girih_result move_mesh(girih_model *model, uint32_t number, girih_error *error) {
     girih_moving_mesh *moving = &model->moving[number];
     uint32_t node = model->pose->mesh_nodes[model->mesh_source[number]];
@@ -88,10 +138,14 @@ static girih_result move_mesh(girih_model *model, uint32_t number, girih_error *
             now->bounds_max[c] = v == 0 ? value : fmaxf(now->bounds_max[c], value);
         }
     }
+    if (moving->is_flat) {
+        make_flat_normals(moving, positions, normals);
+    }
     return GIRIH_OK;
 }
 
-girih_result girih_model_begin_moving(girih_model *model, uint32_t mesh, girih_error *error) {
+girih_result girih_model_begin_moving(girih_model *model, uint32_t mesh,
+                                      const girih_surface_options *surface, girih_error *error) {
     uint32_t source = model->mesh_source[mesh];
     if (model->pose->mesh_nodes[source] == GIRIH_GLTF_NO_NODE) {
         return GIRIH_OK;
@@ -100,6 +154,7 @@ girih_result girih_model_begin_moving(girih_model *model, uint32_t mesh, girih_e
     const girih_mesh *prepared = model->meshes[mesh];
     moving->prepared = prepared;
     moving->now = *prepared;
+    moving->is_flat = surface->surface == GIRIH_SURFACE_FLAT;
     moving->vertices = malloc(((size_t)prepared->vertex_count * 6 + 1) * sizeof(float));
     if (moving->vertices == NULL ||
         !girih_deformer_create(&moving->deformer, &model->pose->meshes[source],
