@@ -65,9 +65,10 @@ typedef struct totals {
     bool has_bounds;
 } totals;
 
-static void add_placement(totals *t, const girih_mesh *mesh, const float transform[12]) {
-    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
-        const float *p = mesh->positions + 3 * (size_t)v;
+static void add_placement(totals *t, const float *positions, uint32_t vertex_count,
+                          const float transform[12]) {
+    for (uint32_t v = 0; v < vertex_count; v++) {
+        const float *p = positions + 3 * (size_t)v;
         for (int n = 0; n < 3; n++) {
             const float *row = transform + 4 * n;
             float value = row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
@@ -76,6 +77,59 @@ static void add_placement(totals *t, const girih_mesh *mesh, const float transfo
         }
         t->has_bounds = true;
     }
+}
+
+// What a node deforms, as it is in a pose: number is of the model's meshes.
+static girih_result add_deformed(totals *t, const girih_model *model, uint32_t number,
+                                 const girih_pose *pose, uint32_t node, const float transform[12],
+                                 girih_error *error) {
+    const girih_mesh *mesh = model->meshes[number];
+    const girih_gltf_mesh *source = &model->contents->meshes[model->mesh_source[number]];
+    size_t floats = 3 * (size_t)mesh->vertex_count;
+    float *vertices = malloc((2 * floats + 1) * sizeof *vertices);
+    girih_deformer deformer = {0};
+    bool is_done = vertices != NULL &&
+                   girih_deformer_create(&deformer, source, model->vertex_sources[number],
+                                         mesh->vertex_count) &&
+                   girih_deform(&deformer, pose, node, mesh->positions, mesh->normals, vertices,
+                                vertices + floats);
+    if (is_done) {
+        add_placement(t, vertices, mesh->vertex_count, transform);
+    }
+    girih_deformer_free(&deformer);
+    free(vertices);
+    return is_done ? GIRIH_OK : girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
+}
+
+// The bounds of all placements as the file's nodes are by themselves.
+static girih_result add_placements(totals *t, const girih_model *model, girih_error *error) {
+    const girih_gltf_contents *contents = model->contents;
+    girih_pose pose;
+    girih_result result = girih_pose_create(&pose, contents)
+                              ? GIRIH_OK
+                              : girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
+    for (uint32_t n = 0; n < contents->placement_count && result == GIRIH_OK; n++) {
+        uint32_t number = model->mesh_number[contents->placements[n].mesh];
+        if (number == GIRIH_MODEL_NONE) {
+            continue;
+        }
+        const girih_mesh *mesh = model->meshes[number];
+        const girih_gltf_placement *placement = &pose.contents.placements[n];
+        uint32_t node = pose.mesh_nodes[placement->mesh];
+        if (node == GIRIH_GLTF_NO_NODE) {
+            add_placement(t, mesh->positions, mesh->vertex_count, placement->transform);
+        } else {
+            result = add_deformed(t, model, number, &pose, node, placement->transform, error);
+        }
+    }
+    girih_pose_free(&pose);
+    for (int c = 0; c < 3 && result == GIRIH_OK; c++) {
+        if (!isfinite(t->low[c]) || !isfinite(t->high[c])) {
+            result = girih_fail(error, GIRIH_ERROR_INVALID_DATA,
+                                "its nodes place vertices beyond the range of floats");
+        }
+    }
+    return result;
 }
 
 // Edges whose sides have vertices of their own. Two sides have two weld edges, one of which stands
@@ -150,16 +204,11 @@ static girih_result sum_up(totals *t, const girih_model *model, const char *path
             t->triangles += contents->meshes[m].primitives[n].index_count / 3;
         }
     }
-    for (uint32_t n = 0; n < contents->placement_count; n++) {
-        uint32_t mesh = model->mesh_number[contents->placements[n].mesh];
-        if (mesh != GIRIH_MODEL_NONE) {
-            add_placement(t, model->meshes[mesh], contents->placements[n].transform);
-        }
-    }
     for (uint32_t n = 0; n < model->mesh_count; n++) {
         add_mesh(t, model->meshes[n]);
     }
-    return measure_edges(t, model, error);
+    girih_result result = add_placements(t, model, error);
+    return result == GIRIH_OK ? measure_edges(t, model, error) : result;
 }
 
 // The names of all primitives' attributes, each once, in the order of their first appearance, with
