@@ -60,6 +60,9 @@ same kept.glb some/cube_hard.glb
 "$girih" refine models/cube_hard.glb --segments 3 -o kept.glb --overwrite 2>err || fail "--overwrite: $(<err)"
 "$girih" refine models/cube_hard.glb --segments 3 -o - >piped.glb 2>err || fail "-o -: $(<err)"
 same kept.glb piped.glb
+expect 1 refine models/cube_hard.glb --segments 3 -o /dev/full
+expect_one_line "a full disk"
+[[ $(<err) != */dev/full*/dev/full* ]] || fail "a full disk is named twice: $(<err)"
 "$girih" render models/cube_hard.glb --resolution 64,64 -o - >piped.png 2>err || fail "-o -: $(<err)"
 expect 0 render models/cube_hard.glb --resolution 64,64 -o file.png
 same piped.png file.png

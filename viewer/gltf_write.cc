@@ -568,6 +568,12 @@ void stream_piece(const piece &part, std::FILE *stream) {
     std::fwrite("\0\0\0", 1, static_cast<std::size_t>(padded(size) - size), stream);
 }
 
+// Messages of girih_output_file begin with the path, and so will what a refusal becomes.
+std::string without_path(const std::string &message, const std::string &path) {
+    const std::size_t prefix = path.size() + 2;
+    return message.size() > prefix ? message.substr(prefix) : "cannot write";
+}
+
 void writer::write(const char *path) {
     for (const char *part : {"accessors", "bufferViews", "buffers"}) {
         root_.erase(part); // new ones take their place
@@ -596,11 +602,10 @@ void writer::write(const char *path) {
 
     char message[512];
     girih_output_file file;
-    // These messages begin with the path, and so will what a refusal becomes.
-    const std::size_t prefix = std::string(path).size() + 2;
     if (!girih_output_open(&file, path, message, sizeof message)) {
-        throw refusal(std::string(message).substr(prefix));
+        throw refusal(without_path(message, path));
     }
+    const std::string target = file.target;
     std::fwrite(header.data(), 1, header.size(), file.stream);
     std::fwrite(text.data(), 1, text.size(), file.stream);
     if (binary_size_ > 0) {
@@ -616,7 +621,7 @@ void writer::write(const char *path) {
         }
     }
     if (!girih_output_commit(&file, message, sizeof message)) {
-        throw refusal(message);
+        throw refusal(without_path(message, target));
     }
 }
 
