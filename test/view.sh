@@ -15,7 +15,7 @@ fi
 # --- Wrong use, and no display ---
 unset DISPLAY WAYLAND_DISPLAY
 expect 2 view
-for wrong in --cpu '--projection cylinder' '--frames 0' '--shade pretty'; do
+for wrong in --cpu '--projection cylinder' '--frames 0' '--shade pretty' '-o - --json'; do
     # shellcheck disable=SC2086 # two words
     expect 2 view "$assets/teapot.glb" $wrong
 done

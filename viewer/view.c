@@ -39,6 +39,9 @@ static const struct argp_option own_options[] = {
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static void check_options(struct argp_state *state, const view_options *options) {
+    if (options->output != NULL) {
+        girih_option_output(state, options->output, options->json);
+    }
     if (options->device.cpu) {
         argp_error(state, "--cpu: a window's frames are refined on the device; girih render and "
                           "girih refine take it");
@@ -117,7 +120,8 @@ static const struct argp view_argp = {
 
 typedef struct session {
     const view_options *options;
-    const char *file; // that a failure is about; NULL: none, or the message names it
+    girih_camera_options camera; // to begin with, and to come back to
+    const char *file;            // that a failure is about; NULL: none, or the message names it
     girih_catalogue_source catalogue;
     girih_device device;
     bool is_device_open;
@@ -154,11 +158,10 @@ static girih_result start_camera(session *s, girih_error *error) {
     glfwGetFramebufferSize(s->window.handle, &width, &height);
     girih_camera camera;
     girih_result result = girih_camera_create(
-        &camera, &s->options->camera, &shown->model, shown->instances, shown->instance_count,
+        &camera, &s->camera, &shown->model, shown->instances, shown->instance_count,
         width > 0 ? (uint32_t)width : 1, height > 0 ? (uint32_t)height : 1, error);
     if (result == GIRIH_OK) {
-        girih_orbit_start(&s->controls.orbit, &camera, s->options->camera.view_up, shown->low,
-                          shown->high);
+        girih_orbit_start(&s->controls.orbit, &camera, s->camera.view_up, shown->low, shown->high);
         s->controls.edge_length = s->controls.orbit.radius / 20.0;
     }
     return result;
@@ -276,6 +279,9 @@ static girih_result drop_model(session *s, const char *path, girih_error *error)
     girih_shown_close(s->shown);
     shown->surface_file = file;
     take_model(s, shown);
+    // Neither a camera of the file before nor what was seen of it has to do with this one.
+    s->camera.has_index = false;
+    s->controls.is_frozen = false;
     say(s, false, path);
     s->last = (girih_drawing){0};
     // Without a swapchain the size is not known yet.
@@ -691,7 +697,7 @@ static int report(session *s) {
 int girih_command_view(int argc, char **argv) {
     view_options options = {0};
     girih_options_parse(&view_argp, argc, argv, &options);
-    session s = {.options = &options};
+    session s = {.options = &options, .camera = options.camera};
     girih_error error = {.result = GIRIH_OK};
     girih_result result = open_all(&s, &error);
     if (result == GIRIH_OK) {
