@@ -46,6 +46,8 @@ json 'o["files"][0]["output_triangles"] == 12 * 4'
 expect 1 refine models/teapot.glb teapot.glb --output-folder twice
 expect_one_line "two models of one name"
 [[ ! -e twice ]] || fail "a folder is made for models that cannot be told apart"
+expect 1 refine models/cube_hard.glb --output-folder broken.glb
+expect_one_line "a folder that is a file"
 expect 2 refine models/teapot.glb teapot.glb -o one.glb
 expect 2 check models/teapot.glb teapot.glb --from teapot.glb
 

@@ -436,6 +436,18 @@ static char *output_in_folder(const char *folder, const char *model) {
     return path;
 }
 
+// Says what is wrong where it cannot.
+static bool make_folder(const char *path) {
+    struct stat status;
+    if (mkdir(path, 0777) != 0 &&
+        (errno != EEXIST || stat(path, &status) != 0 || !S_ISDIR(status.st_mode))) {
+        girih_report_failure(path,
+                             errno == EEXIST ? "is no folder; name another one" : strerror(errno));
+        return false;
+    }
+    return true;
+}
+
 static void free_outputs(char **outputs, uint32_t count) {
     for (uint32_t n = 0; outputs != NULL && n < count; n++) {
         free(outputs[n]);
@@ -468,8 +480,7 @@ static char **name_outputs(const refine_options *options) {
         free_outputs(outputs, options->model_count);
         return NULL;
     }
-    if (options->folder != NULL && mkdir(options->folder, 0777) != 0 && errno != EEXIST) {
-        girih_report_failure(options->folder, strerror(errno));
+    if (options->folder != NULL && !make_folder(options->folder)) {
         free_outputs(outputs, options->model_count);
         return NULL;
     }
