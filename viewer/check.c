@@ -318,7 +318,7 @@ int girih_command_check(int argc, char **argv) {
     json_t *files = json_array();
     for (uint32_t n = 0; n < options.model_count; n++) {
         json_t *json = NULL;
-        girih_report_file(n, options.model_count);
+        girih_report_part("file", n, options.model_count);
         if (check_file(&options, options.models[n], &json) != GIRIH_EXIT_DONE) {
             code = GIRIH_EXIT_FAILED;
         }

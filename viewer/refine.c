@@ -227,19 +227,27 @@ static girih_result read_output(session *s, girih_device *device, const girih_pl
         girih_plan_material_range(plan, n, &output->material_first[n], &count);
         output->material_first[n + 1] = output->material_first[n] + count;
     }
-    girih_report_progress("reading back");
-    girih_result result =
-        girih_device_read(device, &buffers.positions, vertices * 12, output->positions, error);
-    if (result == GIRIH_OK) {
-        result = girih_device_read(device, &buffers.attributes, vertices * floats * 4,
-                                   output->attributes, error);
+    const struct {
+        const girih_buffer_range *from;
+        size_t size;
+        void *to;
+    } parts[] = {{&buffers.positions, vertices * 12, output->positions},
+                 {&buffers.attributes, vertices * floats * 4, output->attributes},
+                 {&buffers.indices, triangles * 12, output->indices},
+                 {&buffers.sources, s->has_places ? triangles * 8 : 0, output->sources}};
+    enum { PARTS = sizeof parts / sizeof parts[0] };
+    size_t done = 0;
+    size_t all = 0;
+    for (int n = 0; n < PARTS; n++) {
+        all += parts[n].size;
     }
-    if (result == GIRIH_OK) {
-        result =
-            girih_device_read(device, &buffers.indices, triangles * 12, output->indices, error);
-    }
-    if (result == GIRIH_OK && s->has_places) {
-        result = girih_device_read(device, &buffers.sources, triangles * 8, output->sources, error);
+    girih_result result = GIRIH_OK;
+    for (int n = 0; n < PARTS && result == GIRIH_OK; n++) {
+        girih_report_progress_of("reading back", done, all);
+        if (parts[n].size != 0) {
+            result = girih_device_read(device, parts[n].from, parts[n].size, parts[n].to, error);
+        }
+        done += parts[n].size;
     }
     return result;
 }
@@ -493,7 +501,7 @@ static int refine_files(const refine_options *options, refiner *machine, char *c
     json_t *files = json_array();
     for (uint32_t n = 0; n < options->model_count; n++) {
         json_t *json = NULL;
-        girih_report_file(n, options->model_count);
+        girih_report_part("file", n, options->model_count);
         if (refine_file(options, machine, options->models[n], outputs[n], &json) !=
             GIRIH_EXIT_DONE) {
             code = GIRIH_EXIT_FAILED;

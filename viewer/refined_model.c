@@ -281,13 +281,23 @@ static bool fill_targets(const maker *make, uint32_t number) {
 
 // --- The model ---
 
+static uint32_t count_primitives(const girih_gltf_contents *contents) {
+    uint32_t count = 0;
+    for (uint32_t m = 0; m < contents->mesh_count; m++) {
+        count += contents->meshes[m].primitive_count;
+    }
+    return count;
+}
+
 static girih_result fill_model(const maker *make, girih_error *error) {
     const girih_model *model = make->model;
     const girih_gltf_contents *contents = model->contents;
+    const uint32_t primitives = count_primitives(contents);
     uint32_t material = 0;
     for (uint32_t m = 0; m < contents->mesh_count; m++) {
         make->to->meshes[m] = make->to->refined + material;
         for (uint32_t n = 0; n < contents->meshes[m].primitive_count; n++, material++) {
+            girih_report_progress_of("gathering", material, primitives);
             girih_result result =
                 fill_primitive(make, &contents->meshes[m].primitives[n], material, error);
             if (result != GIRIH_OK) {
@@ -301,14 +311,6 @@ static girih_result fill_model(const maker *make, girih_error *error) {
         }
     }
     return GIRIH_OK;
-}
-
-static uint32_t count_primitives(const girih_gltf_contents *contents) {
-    uint32_t count = 0;
-    for (uint32_t m = 0; m < contents->mesh_count; m++) {
-        count += contents->meshes[m].primitive_count;
-    }
-    return count;
 }
 
 girih_result girih_refined_model_make(girih_refined_model *refined, const girih_model *model,

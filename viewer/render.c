@@ -443,6 +443,7 @@ static girih_result make_pictures(work *w, girih_error *error) {
         return girih_fail(error, GIRIH_ERROR_OUT_OF_MEMORY, "out of memory");
     }
     for (uint32_t n = 0; n < w->picture_count && result == GIRIH_OK; n++) {
+        girih_report_part("picture", n, w->picture_count);
         result = make_picture(w, n, error);
     }
     return result;

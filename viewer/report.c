@@ -11,8 +11,9 @@
 static bool progress_shown;
 static const char *progress_what; // whose parts are counted, NULL: none
 static double progress_begin, progress_next;
-static uint32_t file_number, file_count;
-static double files_begin;
+static const char *part_kind; // of several files or pictures
+static uint32_t part_number, part_count;
+static double parts_begin;
 
 const char *girih_report_style(FILE *stream, girih_style style) {
     static const char *const codes[] = {"\033[0m", "\033[1m", "\033[32m", "\033[33m", "\033[1;31m"};
@@ -71,9 +72,9 @@ static bool begin_progress(void) {
     }
     fputs("\r\033[K", stderr);
     progress_shown = true;
-    if (file_count > 1) {
-        fprintf(stderr, "file %u of %u", file_number + 1, file_count);
-        print_time_left(files_begin, file_number, file_count);
+    if (part_count > 1) {
+        fprintf(stderr, "%s %u of %u", part_kind, part_number + 1, part_count);
+        print_time_left(parts_begin, part_number, part_count);
         fputs(": ", stderr);
     }
     return true;
@@ -108,12 +109,13 @@ void girih_report_progress_of(const char *what, uint64_t done, uint64_t all) {
     }
 }
 
-void girih_report_file(uint32_t number, uint32_t count) {
+void girih_report_part(const char *kind, uint32_t number, uint32_t count) {
     if (number == 0) {
-        files_begin = girih_seconds();
+        parts_begin = girih_seconds();
     }
-    file_number = number;
-    file_count = count;
+    part_kind = kind;
+    part_number = number;
+    part_count = count;
 }
 
 const girih_stage_times girih_no_times = {-1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0};

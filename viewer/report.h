@@ -37,9 +37,9 @@ void girih_report_progress(const char *what);
 // anything that takes about equally long.
 void girih_report_progress_of(const char *what, uint64_t done, uint64_t all);
 
-// Of several files, says in front of what is being done which one it is, from 0. Time left is
-// that of all files then.
-void girih_report_file(uint32_t number, uint32_t count);
+// Of several files or pictures, says in front of what is being done which one it is, from 0, and how
+// long all that are left will take. `kind` is one word, for as long as the program runs.
+void girih_report_part(const char *kind, uint32_t number, uint32_t count);
 
 // Milliseconds of the stages. Negative: not measured.
 typedef struct girih_stage_times {
