@@ -17,7 +17,8 @@ uint64_t girih_cache_misses(const uint32_t *indices, size_t index_count, uint32_
 
 // Puts the triangles into an order with few misses, whatever order they are in, and numbers the
 // vertices inside by their first use. The border's vertices keep their places, and every triangle
-// its corners in their order. Takes linear time.
+// its corners in their order. Takes linear time, and quadratic time for a pattern of up to
+// GIRIH_MOST_TRIANGLES_TO_SEARCH triangles that misses often all the same (order_search.h).
 girih_result girih_pattern_order(girih_pattern *pattern, girih_error *error);
 
 #endif

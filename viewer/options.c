@@ -29,6 +29,8 @@ enum {
     KEY_CAMERA_VIEW_ANGLE,
     KEY_CAMERA_INDEX,
     KEY_RESOLUTION,
+    KEY_TIME,
+    KEY_ANIMATION,
     KEY_DEVICE,
     KEY_CPU,
     KEY_VALIDATION,
@@ -468,6 +470,36 @@ static const struct argp_option camera_options[] = {
     END_OF_OPTIONS};
 
 const struct argp girih_camera_argp = {camera_options, parse_camera, NULL, NULL, NULL, NULL, NULL};
+
+// --- Pose ---
+
+static error_t parse_pose(int key, char *argument, struct argp_state *state) {
+    girih_pose_options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        *options = (girih_pose_options){.has_time = false};
+        return 0;
+    case KEY_TIME:
+        options->time = girih_option_number(state, "time", argument);
+        options->has_time = true;
+        return 0;
+    case KEY_ANIMATION:
+        options->animation = argument;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_option pose_options[] = {
+    {NULL, 0, NULL, 0, "Pose (without, that of the file's nodes):", 6},
+    {"time", KEY_TIME, "T", 0,
+     "The model as it is T seconds into an animation; the last pose behind its end", 6},
+    {"animation", KEY_ANIMATION, "N|NAME", 0,
+     "The animation of --time, by its number or name (0); without --time its beginning", 6},
+    END_OF_OPTIONS};
+
+const struct argp girih_pose_argp = {pose_options, parse_pose, NULL, NULL, NULL, NULL, NULL};
 
 // --- Device ---
 

@@ -65,6 +65,7 @@ typedef enum girih_mode_option {
 extern const struct argp girih_level_argp;
 extern const struct argp girih_surface_argp;
 extern const struct argp girih_camera_argp;
+extern const struct argp girih_pose_argp;
 extern const struct argp girih_device_argp;
 
 // All four of them, in this order, for a subcommand that takes them all.

@@ -35,15 +35,7 @@ typedef struct render_options {
 
 // --- Options ---
 
-enum {
-    KEY_BESIDE_INPUT = GIRIH_KEY_OWN,
-    KEY_COMPARE,
-    KEY_TRANSPARENT,
-    KEY_TURNTABLE,
-    KEY_TIME,
-    KEY_ANIMATION,
-    KEY_JSON
-};
+enum { KEY_BESIDE_INPUT = GIRIH_KEY_OWN, KEY_COMPARE, KEY_TRANSPARENT, KEY_TURNTABLE, KEY_JSON };
 
 static const struct argp_option own_options[] = {
     {"output", 'o', "FILE", 0, "The PNG to write; - is standard output", 0},
@@ -58,10 +50,6 @@ static const struct argp_option own_options[] = {
      "N pictures from all around the upward axis through the focal point: -o turn.png gives "
      "turn-000.png, turn-001.png, ...",
      0},
-    {"time", KEY_TIME, "T", 0,
-     "Draw the model as it is T seconds into an animation; the last pose behind its end", 0},
-    {"animation", KEY_ANIMATION, "N|NAME", 0,
-     "The animation of --time, by its number or name (0); without --time its beginning", 0},
     {"json", KEY_JSON, NULL, 0, "Print one JSON object with counts and times", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
@@ -150,6 +138,7 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         state->child_inputs[2] = &options->camera;
         state->child_inputs[3] = &options->device;
         state->child_inputs[4] = &options->sides[0].look;
+        state->child_inputs[5] = &options->pose;
         return 0;
     case 'o':
         options->output = argument;
@@ -170,13 +159,6 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
     case KEY_TURNTABLE:
         options->turntable = girih_option_count(state, "turntable", argument, 1, 100000);
         return 0;
-    case KEY_TIME:
-        options->pose.time = girih_option_number(state, "time", argument);
-        options->pose.has_time = true;
-        return 0;
-    case KEY_ANIMATION:
-        options->pose.animation = argument;
-        return 0;
     case KEY_JSON:
         options->json = true;
         return 0;
@@ -194,10 +176,13 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
     }
 }
 
-static const struct argp_child render_children[] = {
-    {&girih_level_argp, 0, NULL, 1},  {&girih_surface_argp, 0, NULL, 2},
-    {&girih_camera_argp, 0, NULL, 3}, {&girih_device_argp, 0, NULL, 5},
-    {&girih_look_argp, 0, NULL, 4},   {NULL, 0, NULL, 0}};
+static const struct argp_child render_children[] = {{&girih_level_argp, 0, NULL, 1},
+                                                    {&girih_surface_argp, 0, NULL, 2},
+                                                    {&girih_camera_argp, 0, NULL, 3},
+                                                    {&girih_device_argp, 0, NULL, 5},
+                                                    {&girih_look_argp, 0, NULL, 4},
+                                                    {&girih_pose_argp, 0, NULL, 6},
+                                                    {NULL, 0, NULL, 0}};
 
 static const struct argp render_argp = {
     own_options,

@@ -26,14 +26,11 @@ typedef struct view_options {
 
 // --- Options ---
 
-enum { KEY_FRAMES = GIRIH_KEY_OWN, KEY_PLAY, KEY_TIME, KEY_ANIMATION, KEY_JSON };
+enum { KEY_FRAMES = GIRIH_KEY_OWN, KEY_PLAY, KEY_JSON };
 
 static const struct argp_option own_options[] = {
     {"output", 'o', "FILE", 0, "Write the last picture as a PNG at the end", 0},
-    {"play", KEY_PLAY, NULL, 0, "Play the animation from the start on", 0},
-    {"animation", KEY_ANIMATION, "N|NAME", 0, "The animation to begin with, by number or name (0)",
-     0},
-    {"time", KEY_TIME, "T", 0, "Begin T seconds into the animation", 0},
+    {"play", KEY_PLAY, NULL, 0, "Play the animation from the start on, or from --time", 0},
     {"frames", KEY_FRAMES, "N", 0, "End after N pictures", 0},
     {"json", KEY_JSON, NULL, 0, "At the end, print one JSON object with counts and times", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
@@ -61,6 +58,7 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         state->child_inputs[2] = &options->camera;
         state->child_inputs[3] = &options->look;
         state->child_inputs[4] = &options->device;
+        state->child_inputs[5] = &options->pose;
         return 0;
     case 'o':
         options->output = argument;
@@ -70,13 +68,6 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         return 0;
     case KEY_PLAY:
         options->plays = true;
-        return 0;
-    case KEY_ANIMATION:
-        options->pose.animation = argument;
-        return 0;
-    case KEY_TIME:
-        options->pose.time = girih_option_number(state, "time", argument);
-        options->pose.has_time = true;
         return 0;
     case KEY_JSON:
         options->json = true;
@@ -95,10 +86,13 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
     }
 }
 
-static const struct argp_child children[] = {
-    {&girih_level_argp, 0, NULL, 1},  {&girih_surface_argp, 0, NULL, 2},
-    {&girih_camera_argp, 0, NULL, 3}, {&girih_look_argp, 0, NULL, 4},
-    {&girih_device_argp, 0, NULL, 5}, {NULL, 0, NULL, 0}};
+static const struct argp_child children[] = {{&girih_level_argp, 0, NULL, 1},
+                                             {&girih_surface_argp, 0, NULL, 2},
+                                             {&girih_camera_argp, 0, NULL, 3},
+                                             {&girih_look_argp, 0, NULL, 4},
+                                             {&girih_device_argp, 0, NULL, 5},
+                                             {&girih_pose_argp, 0, NULL, 6},
+                                             {NULL, 0, NULL, 0}};
 
 static const struct argp view_argp = {
     own_options,
